@@ -1,0 +1,164 @@
+#include "app/args.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <numeric>
+
+namespace planish {
+namespace {
+
+constexpr const char* kDescription =
+    "planish flattens triangle meshes into the plane as rigidly as possible.\n"
+    "Exit codes: 0 done; 1 a defect of planish; 2 usage; 3 input cannot be read; 4 the mesh cannot be used;\n"
+    "6 solved, but flips remain or the tolerance was not met; 7 cannot write; 130 stopped.";
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t change = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({change, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string nearest(const std::string& word, const std::vector<std::string>& known) {
+  const auto closer = [&](const std::string& a, const std::string& b) {
+    return edit_distance(word, a) < edit_distance(word, b);
+  };
+  const auto best = std::min_element(known.begin(), known.end(), closer);
+  if (best == known.end() || edit_distance(word, *best) > std::max<std::size_t>(2, word.size() / 2)) return "";
+  return ", did you mean " + *best + "?";
+}
+
+/// Long names of the options an app knows, or of its commands.
+std::vector<std::string> known_names(const CLI::App& app, bool options) {
+  std::vector<std::string> names;
+  if (options) {
+    for (const CLI::Option* option : app.get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+  } else {
+    for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  }
+  return names;
+}
+
+void add_common(CLI::App& app, CommonArgs& common) {
+  app.add_option("--threads", common.threads, "threads to use, 0: as many as the machine has")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  app.add_flag("--progress", common.progress, "progress lines even where stderr is not a terminal");
+  app.add_flag("--quiet", common.quiet, "no progress, no summary, no warnings")->excludes("--progress");
+  app.add_flag("--json-errors", common.json_errors, "errors as JSON objects on stderr");
+}
+
+void add_flatten(CLI::App& app, FlattenArgs& args) {
+  app.add_option("mesh", args.mesh, "mesh to flatten: .obj .ply .stl .off, each also with .gz")->required();
+  app.add_option("-o,--output", args.output, "mesh with its parameterization: .ply or .obj, also with .gz");
+  app.add_option("--report", args.report, "report, JSON");
+  app.add_option("--picture", args.picture, "picture of the flat panel: .png or .svg");
+  app.add_option("--flat", args.flat, "flat mesh (u, v, 0): .ply or .obj");
+  app.add_flag("--repair", args.repair, "mend orientation, duplicates, degenerate triangles, split vertices first");
+  const std::map<std::string, Init> inits = {{"uniform", Init::Uniform},
+                                             {"cotangent", Init::Cotangent},
+                                             {"harmonic", Init::Harmonic},
+                                             {"identity", Init::Identity}};
+  app.add_option("--init", args.options.init, "first rotations: uniform, cotangent, harmonic or identity [uniform]")
+      ->transform(CLI::CheckedTransformer(inits).description(""));
+  app.add_option("--tolerance", args.options.tolerance, "of the gradient, above 0")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--max-iterations", args.options.max_iterations, "local/global steps, 0 or more")
+      ->check(CLI::Range(0, 1'000'000'000))
+      ->capture_default_str();
+  app.add_flag("--normalize", args.options.normalize, "scale uv into the unit square (else true scale)");
+}
+
+void add_info(CLI::App& app, InfoArgs& args) {
+  app.add_option("mesh", args.mesh, "mesh: .obj .ply .stl .off, each also with .gz")->required();
+  app.add_flag("--json", args.json, "as JSON, with the ids of every defect");
+  app.add_flag("--repair", args.repair, "mend first, and say what was done");
+}
+
+void add_sample(CLI::App& app, SampleArgs& args) {
+  app.add_option("kind", args.options.kind, "what to make")->required()->check(CLI::IsMember(sample_kinds()));
+  app.add_option("--triangles", args.options.triangles, "about so many, 32 or more")
+      ->check(CLI::Range(32, 700'000'000))
+      ->capture_default_str();
+  app.add_option("--noise", args.options.noise, "amplitude along the normal, metres, 0 or more")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--seed", args.options.seed, "same seed, same mesh")->capture_default_str();
+  app.add_option("-o,--output", args.output, "mesh: .ply or .obj, also with .gz")->required();
+  app.add_option("--features", args.features, "constraint file that fits the mesh, JSON");
+}
+
+/// CLI11 says which words it does not know; we say which known one is nearest.
+Failure unknown_words(const CLI::App& app, const CLI::App* command) {
+  const CLI::App& context = command ? *command : app;
+  for (const std::string& word : context.remaining()) {
+    if (word.starts_with("-")) {
+      const std::string bare = word.substr(0, word.find('='));
+      return fail(ErrorCode::BadUsage, "unknown option " + bare + nearest(bare, known_names(context, true)));
+    }
+  }
+  const auto words = context.remaining();
+  const std::string word = words.empty() ? "" : words.front();
+  if (!command) return fail(ErrorCode::BadUsage, "unknown command " + word + nearest(word, known_names(app, false)));
+  return fail(ErrorCode::BadUsage, "unexpected argument " + word);
+}
+
+}  // namespace
+
+Result<Args> parse_args(int argc, const char* const* argv) {
+  CLI::App app(kDescription, "planish");
+  app.set_version_flag("--version", "planish " PLANISH_VERSION);
+  Args args;
+  for (int i = 0; i < argc; ++i) args.common.command_line += (i > 0 ? " " : "") + std::string(argv[i]);
+  FlattenArgs flatten;
+  InfoArgs info;
+  SampleArgs sample;
+  CLI::App* commands[] = {app.add_subcommand("flatten", "flatten a mesh"),
+                          app.add_subcommand("info", "say what a mesh is and what is wrong with it"),
+                          app.add_subcommand("sample", "make a mesh that looks like a scanned panel")};
+  add_flatten(*commands[0], flatten);
+  add_info(*commands[1], info);
+  add_sample(*commands[2], sample);
+  const CLI::App* chosen = nullptr;
+  for (CLI::App* command : commands) {
+    add_common(*command, args.common);
+    command->allow_extras();
+  }
+  app.allow_extras();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    for (const CLI::App* command : commands) chosen = command->parsed() ? command : chosen;
+    args.command = TextArgs{(chosen ? chosen : &app)->help()};
+    return args;
+  } catch (const CLI::CallForVersion&) {
+    args.command = TextArgs{"planish " PLANISH_VERSION "\n"};
+    return args;
+  } catch (const CLI::ParseError& error) {
+    return fail(ErrorCode::BadUsage, error.what());
+  }
+  for (const CLI::App* command : commands) chosen = command->parsed() ? command : chosen;
+  if (app.remaining_size(true) > 0) return unknown_words(app, chosen);
+  if (!chosen) return fail(ErrorCode::BadUsage, "no command given: flatten, info or sample; see planish --help");
+  if (chosen == commands[0]) {
+    flatten.options.threads = args.common.threads;
+    args.command = flatten;
+  } else if (chosen == commands[1]) {
+    args.command = info;
+  } else {
+    args.command = sample;
+  }
+  return args;
+}
+
+}  // namespace planish

@@ -1,0 +1,53 @@
+// The command line: what was asked for, as plain values.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/model/error.hpp"
+#include "engine/model/options.hpp"
+#include "engine/sample/panels.hpp"
+
+namespace planish {
+
+/// Options that every command knows.
+struct CommonArgs {
+  int threads = 0;
+  bool progress = false;  ///< progress lines although stderr is not a terminal
+  bool quiet = false;
+  bool json_errors = false;
+  std::string command_line;
+};
+
+struct FlattenArgs {
+  std::string mesh, output, report, picture, flat;
+  bool repair = false;
+  FlattenOptions options;
+};
+
+struct InfoArgs {
+  std::string mesh;
+  bool json = false;
+  bool repair = false;
+};
+
+struct SampleArgs {
+  SampleOptions options;
+  std::string output, features;
+};
+
+/// Text for stdout and nothing else to do: --help, --version.
+struct TextArgs {
+  std::string text;
+};
+
+struct Args {
+  CommonArgs common;
+  std::variant<TextArgs, FlattenArgs, InfoArgs, SampleArgs> command;
+};
+
+/// Fails: BadUsage, with the nearest known name where a name is unknown.
+Result<Args> parse_args(int argc, const char* const* argv);
+
+}  // namespace planish

@@ -1,0 +1,12 @@
+// What the commands do; each returns the program's exit code or an error.
+#pragma once
+
+#include "app/args.hpp"
+
+namespace planish {
+
+Result<int> run_flatten(const CommonArgs& common, const FlattenArgs& args);
+Result<int> run_info(const CommonArgs& common, const InfoArgs& args);
+Result<int> run_sample(const CommonArgs& common, const SampleArgs& args);
+
+}  // namespace planish

@@ -1,0 +1,20 @@
+# Headers that are installed under include/planish/ and must each compile alone, without any third-party header but
+# tl-expected.
+target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES
+  kernels/base/types.hpp
+  kernels/base/sums.hpp
+  kernels/base/radix.hpp
+  engine/exec/parallel.hpp
+  engine/model/error.hpp
+  engine/model/mesh.hpp
+  engine/model/monitor.hpp
+  engine/model/options.hpp
+  engine/model/flattening.hpp
+  engine/prepare/validate.hpp
+  engine/prepare/repair.hpp
+  engine/sample/panels.hpp
+  engine/flatten.hpp
+  io/file.hpp
+  io/mesh_files.hpp
+  io/picture.hpp
+  io/report_json.hpp)

@@ -1,0 +1,116 @@
+#include "engine/model/error.hpp"
+
+#include <array>
+
+namespace planish {
+namespace {
+
+struct CodeEntry {
+  ErrorCode code;
+  const char* name;
+  int exit_code;
+  const char* remedy;
+};
+
+constexpr std::array kCodes = {
+    CodeEntry{ErrorCode::InternalDefect, "internal-defect", 1, "please report it with the input"},
+    CodeEntry{ErrorCode::BadUsage, "usage", 2, ""},
+    CodeEntry{ErrorCode::NotBuilt, "not-built", 2, "build planish with this part"},
+    CodeEntry{ErrorCode::CannotOpen, "cannot-open", 3, ""},
+    CodeEntry{ErrorCode::UnknownFormat, "unknown-format", 3, "use .obj, .ply, .stl or .off, optionally with .gz"},
+    CodeEntry{ErrorCode::BadSyntax, "bad-syntax", 3, ""},
+    CodeEntry{ErrorCode::Truncated, "truncated", 3, "write the file again"},
+    CodeEntry{ErrorCode::IndexOutOfRange, "index-out-of-range", 3, ""},
+    CodeEntry{ErrorCode::NoTriangles, "no-triangles", 4, "give a mesh with faces"},
+    CodeEntry{ErrorCode::NonFinitePosition, "non-finite-position", 4, "correct or remove these vertices"},
+    CodeEntry{ErrorCode::RepeatedVertex, "repeated-vertex", 4, "use --repair to drop them"},
+    CodeEntry{ErrorCode::DuplicateTriangle, "duplicate-triangle", 4, "use --repair to drop the copies"},
+    CodeEntry{ErrorCode::DegenerateTriangle, "degenerate-triangle", 4, "use --repair to remove them"},
+    CodeEntry{ErrorCode::NonManifoldEdge, "non-manifold-edge", 4, "remove the extra sheets, or split the part"},
+    CodeEntry{ErrorCode::NonManifoldVertex, "non-manifold-vertex", 4, "use --repair to split them"},
+    CodeEntry{ErrorCode::InconsistentOrientation, "inconsistent-orientation", 4, "use --repair to turn triangles"},
+    CodeEntry{ErrorCode::NotOrientable, "not-orientable", 4, "cut the surface open"},
+    CodeEntry{ErrorCode::ClosedComponent, "closed-component", 4, "cut it open so that it has a boundary"},
+    CodeEntry{ErrorCode::HasHandles, "has-handles", 4, "cut it along a loop through each handle"},
+    CodeEntry{ErrorCode::TooLarge, "too-large", 4, "split the mesh"},
+    CodeEntry{ErrorCode::FactorizationFailed, "factorization-failed", 1, "please report it with the input"},
+    CodeEntry{ErrorCode::ResidualTooLarge, "residual-too-large", 1, "please report it with the input"},
+    CodeEntry{ErrorCode::OutOfMemory, "out-of-memory", 4, "use a smaller mesh or a larger machine"},
+    CodeEntry{ErrorCode::CannotWrite, "cannot-write", 7, ""},
+    CodeEntry{ErrorCode::Cancelled, "cancelled", 130, ""},
+};
+
+const CodeEntry& entry(ErrorCode code) {
+  for (const CodeEntry& e : kCodes) {
+    if (e.code == code) return e;
+  }
+  return kCodes.front();
+}
+
+std::string plural(ElementKind element, bool many) {
+  switch (element) {
+    case ElementKind::None: return "";
+    case ElementKind::Vertex: return many ? "vertices" : "vertex";
+    case ElementKind::Triangle: return many ? "triangles" : "triangle";
+    case ElementKind::Edge: return many ? "edges" : "edge";
+    case ElementKind::Component: return many ? "components" : "component";
+    case ElementKind::Property: return many ? "properties" : "property";
+  }
+  return "";
+}
+
+/// " (triangles 3, 8, 12 and 40 more)"; edges as vertex pairs 3-8.
+std::string listed_elements(const Error& error) {
+  if (error.element == ElementKind::None || error.ids.empty()) return "";
+  constexpr std::size_t kShown = 5;
+  const std::size_t stride = error.element == ElementKind::Edge ? 2 : 1;
+  const std::size_t shown = std::min(kShown, error.ids.size() / stride);
+  std::string text = " (" + plural(error.element, error.count > 1) + " ";
+  for (std::size_t i = 0; i < shown; ++i) {
+    if (i > 0) text += ", ";
+    text += std::to_string(error.ids[i * stride]);
+    if (stride == 2) text += "-" + std::to_string(error.ids[i * stride + 1]);
+  }
+  if (error.count > static_cast<Offset>(shown)) {
+    text += " and " + std::to_string(error.count - static_cast<Offset>(shown)) + " more";
+  }
+  return text + ")";
+}
+
+std::string position(const Place& place) {
+  std::string text = place.file;
+  if (place.line > 0) {
+    text += ":" + std::to_string(place.line);
+    if (place.column > 0) text += ":" + std::to_string(place.column);
+  } else if (place.byte >= 0) {
+    text += ": byte " + std::to_string(place.byte);
+  }
+  return text.empty() ? text : text + ": ";
+}
+
+}  // namespace
+
+const char* name(ErrorCode code) { return entry(code).name; }
+const char* remedy(ErrorCode code) { return entry(code).remedy; }
+int exit_code(ErrorCode code) { return entry(code).exit_code; }
+
+const char* name(ElementKind element) {
+  switch (element) {
+    case ElementKind::None: return "none";
+    case ElementKind::Vertex: return "vertex";
+    case ElementKind::Triangle: return "triangle";
+    case ElementKind::Edge: return "edge";
+    case ElementKind::Component: return "component";
+    case ElementKind::Property: return "property";
+  }
+  return "none";
+}
+
+std::string describe(const Error& error) {
+  std::string text = position(error.place) + error.what + listed_elements(error);
+  const std::string advice = remedy(error.code);
+  if (!advice.empty()) text += "; " + advice;
+  return text + " [" + name(error.code) + "]";
+}
+
+}  // namespace planish

@@ -1,0 +1,18 @@
+#include "engine/model/monitor.hpp"
+
+namespace planish {
+
+const char* name(Phase phase) {
+  switch (phase) {
+    case Phase::Read: return "read";
+    case Phase::Check: return "check";
+    case Phase::Order: return "order";
+    case Phase::Start: return "start";
+    case Phase::LocalGlobal: return "local_global";
+    case Phase::Measure: return "measure";
+    case Phase::Write: return "write";
+  }
+  return "";
+}
+
+}  // namespace planish

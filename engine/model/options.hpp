@@ -1,0 +1,22 @@
+// Every tunable of flatten: unit, range, default.
+#pragma once
+
+namespace planish {
+
+/// Where the first rotations come from (DESIGN 3.1).
+enum class Init {
+  Uniform,    ///< minimum-norm connection, every dual edge counts the same (the paper)
+  Cotangent,  ///< minimum-norm connection, weighted by 1 / max(cotangent weight, 1e-3 of their mean)
+  Harmonic,   ///< closest rotations of a harmonic map onto a disk (for comparison)
+  Identity,   ///< triangles unfolded along a spanning tree without extra rotation (for comparison)
+};
+
+struct FlattenOptions {
+  Init init = Init::Uniform;
+  double tolerance = 1e-6;   ///< of the gradient (DESIGN 3.5), > 0
+  int max_iterations = 500;  ///< local/global steps after the first global solve, >= 0
+  bool normalize = false;    ///< scale and move uv into the unit square
+  int threads = 0;           ///< 0: the arena of the calling thread
+};
+
+}  // namespace planish

@@ -1,0 +1,131 @@
+#include "engine/prepare/prepare.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "engine/prepare/defects.hpp"
+#include "kernels/intrinsic/lengths.hpp"
+
+namespace planish {
+namespace {
+
+Result<void> check_indices(const Surface& surface) {
+  constexpr std::size_t kMostHalfEdges = std::size_t{1} << 31;
+  if (surface.corner_vertex.size() >= kMostHalfEdges) {
+    return fail(ErrorCode::TooLarge, "the mesh has 2^31 or more half-edges");
+  }
+  Error error{.code = ErrorCode::IndexOutOfRange, .element = ElementKind::Triangle};
+  for (std::size_t c = 0; c < surface.corner_vertex.size(); ++c) {
+    const Index v = surface.corner_vertex[c];
+    if (v >= 0 && v < surface.num_vertices()) continue;
+    if (error.count++ == 0) {
+      error.what = "a triangle names vertex " + std::to_string(v) + ", the mesh has " +
+                   std::to_string(surface.num_vertices());
+    }
+    if (error.ids.size() < kMaxListedIds) error.ids.push_back(static_cast<Index>(c / 3));
+  }
+  if (error.count > 0) return fail(std::move(error));
+  return {};
+}
+
+std::uint64_t position_hash(Vec3 p) {
+  std::uint64_t hash = 0;
+  for (const double x : {p.x, p.y, p.z}) {
+    hash ^= std::bit_cast<std::uint64_t>(x + 0.0);  // -0 becomes +0
+    hash *= 0x9E3779B97F4A7C15ull;
+    hash ^= hash >> 29;
+  }
+  return hash;
+}
+
+Index count_duplicate_positions(const Exec& exec, In<Vec3> position) {
+  constexpr int kHashBits = 4 * kRadixBits;
+  std::vector<KeyedIndex> items(position.size());
+  exec.for_blocks(static_cast<Index>(items.size()), kBlock, [&](Index, Range r) {
+    for (Index v = r.begin; v < r.end; ++v) {
+      items[v] = {position_hash(position[v]) & ((std::uint64_t{1} << kHashBits) - 1), v};
+    }
+  });
+  sort_by_key(exec, items, kHashBits);
+  Index duplicates = 0;
+  for (std::size_t i = 1; i < items.size(); ++i) {
+    for (std::size_t k = i; k-- > 0 && items[k].key == items[i].key;) {
+      if (position[items[k].index] == position[items[i].index]) {
+        ++duplicates;
+        break;
+      }
+    }
+  }
+  return duplicates;
+}
+
+void measure(const Exec& exec, const OrderedMesh& mesh, Diagnosis& diagnosis) {
+  struct Extremes {
+    double least = kInfinity, largest = 0;
+  };
+  std::vector<Extremes> part(Exec::num_blocks(mesh.num_triangles(), kBlock));
+  std::vector<double> area_part(part.size());
+  exec.for_blocks(mesh.num_triangles(), kBlock, [&](Index block, Range r) {
+    for (Index t = r.begin; t < r.end; ++t) {
+      const Index* v = &mesh.corner_vertex[3 * static_cast<std::size_t>(t)];
+      const RestFrame frame = rest_frame(mesh.position[v[0]], mesh.position[v[1]], mesh.position[v[2]]);
+      const double a = area(frame);
+      if (!(a > 0)) continue;
+      area_part[block] += a;
+      for (const double angle : corner_angles(frame)) {
+        part[block].least = std::min(part[block].least, angle);
+        part[block].largest = std::max(part[block].largest, angle);
+      }
+    }
+  });
+  Extremes all;
+  for (const Extremes& e : part) all = {std::min(all.least, e.least), std::max(all.largest, e.largest)};
+  diagnosis.area = pairwise_sum(area_part) * mesh.unit * mesh.unit;
+  diagnosis.min_angle = std::isfinite(all.least) ? all.least : 0;
+  diagnosis.max_angle = all.largest;
+}
+
+void bound(const OrderedMesh& mesh, Diagnosis& diagnosis) {
+  Vec3 lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
+  for (const Vec3 p : mesh.position) {
+    if (!std::isfinite(p.x + p.y + p.z)) continue;
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+  }
+  if (lower.x > upper.x) lower = upper = {};
+  diagnosis.lower = mesh.centre + mesh.unit * lower;
+  diagnosis.upper = mesh.centre + mesh.unit * upper;
+}
+
+}  // namespace
+
+Result<PreparedMesh> prepare(const Exec& exec, const Surface& surface) {
+  if (auto checked = check_indices(surface); !checked) return fail(checked.error());
+  PreparedMesh prepared;
+  prepared.mesh = order_mesh(exec, surface);
+  prepared.topology = build_topology(exec, prepared.mesh.surface());
+  const OrderedMesh& mesh = prepared.mesh;
+  const Topology& topology = prepared.topology;
+
+  Diagnosis& diagnosis = prepared.diagnosis;
+  diagnosis.vertices = surface.num_vertices();
+  diagnosis.triangles = surface.num_triangles();
+  diagnosis.unreferenced_vertices = surface.num_vertices() - mesh.num_vertices();
+  diagnosis.components = topology.num_components;
+  diagnosis.boundary_loops = topology.num_loops();
+  for (const double length : topology.loop_length) diagnosis.loop_lengths.push_back(length * mesh.unit);
+  if (topology.num_components > 1) diagnosis.duplicate_positions = count_duplicate_positions(exec, mesh.position);
+  bound(mesh, diagnosis);
+  measure(exec, mesh, diagnosis);
+  find_defects(exec, mesh, topology, diagnosis);
+  return prepared;
+}
+
+Result<Diagnosis> diagnose(const Exec& exec, const Surface& surface) {
+  auto prepared = prepare(exec, surface);
+  if (!prepared) return fail(prepared.error());
+  prepared->diagnosis.duplicate_positions = count_duplicate_positions(exec, prepared->mesh.position);
+  return std::move(prepared->diagnosis);
+}
+
+}  // namespace planish

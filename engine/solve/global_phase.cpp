@@ -1,0 +1,147 @@
+#include "engine/solve/global_phase.hpp"
+
+#include <cholmod.h>
+#include <dlfcn.h>
+
+#include <mutex>
+#include <string>
+
+#include "engine/solve/supernode_tree.hpp"
+
+namespace planish {
+namespace {
+
+/// Holds a threaded OpenBLAS to one thread while any factorization runs: its threads would change the order of sums,
+/// and the bits with them. The setting is the process's own, so it is counted by all factorizations that run at a time.
+/// Other BLAS libraries have no such call and need none.
+class OneBlasThread {
+ public:
+  OneBlasThread() {
+    const std::lock_guard lock(mutex_);
+    if (holders_++ > 0 || !set() || !get()) return;
+    before_ = get()();
+    set()(1);
+  }
+  ~OneBlasThread() {
+    const std::lock_guard lock(mutex_);
+    if (--holders_ == 0 && set() && get()) set()(before_);
+  }
+  OneBlasThread(const OneBlasThread&) = delete;
+  OneBlasThread& operator=(const OneBlasThread&) = delete;
+
+ private:
+  using Set = void (*)(int);
+  using Get = int (*)();
+  static Set set() { return reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads")); }
+  static Get get() { return reinterpret_cast<Get>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads")); }
+  static inline std::mutex mutex_;
+  static inline int holders_ = 0;
+  static inline int before_ = 1;
+};
+
+/// CHOLMOD's workspace; never prints.
+struct Common {
+  Common() {
+    cholmod_start(&common);
+    common.print = 0;
+    common.error_handler = nullptr;
+    common.supernodal = CHOLMOD_SUPERNODAL;
+    common.final_super = 1;
+    common.nmethods = 1;
+    common.method[0].ordering = CHOLMOD_GIVEN;
+    common.postorder = 1;
+  }
+  ~Common() { cholmod_finish(&common); }
+  Common(const Common&) = delete;
+  Common& operator=(const Common&) = delete;
+  cholmod_common common{};
+};
+
+/// The matrix as CHOLMOD sees it; our arrays, not copied.
+cholmod_sparse view(const SymmetricMatrix& matrix) {
+  cholmod_sparse sparse{};
+  sparse.nrow = sparse.ncol = static_cast<std::size_t>(matrix.size());
+  sparse.nzmax = matrix.row.size();
+  sparse.p = const_cast<Index*>(matrix.column_begin.data());
+  sparse.i = const_cast<Index*>(matrix.row.data());
+  sparse.x = const_cast<double*>(matrix.value.data());
+  sparse.stype = -1;
+  sparse.itype = CHOLMOD_INT;
+  sparse.xtype = CHOLMOD_REAL;
+  sparse.dtype = CHOLMOD_DOUBLE;
+  sparse.sorted = 1;
+  sparse.packed = 1;
+  return sparse;
+}
+
+Failure out_of_memory(const char* step) {
+  return fail(ErrorCode::OutOfMemory, std::string("not enough memory for the ") + step + " of the sparse factor");
+}
+
+}  // namespace
+
+Result<std::vector<Index>> fill_reducing_order(const SymmetricMatrix& matrix) {
+  Common cholmod;
+  cholmod_sparse sparse = view(matrix);
+  std::vector<Index> order(matrix.size());
+  if (matrix.size() > 0 && !cholmod_metis(&sparse, nullptr, 0, 1, order.data(), &cholmod.common)) {
+    return out_of_memory("ordering");
+  }
+  return order;
+}
+
+struct GlobalPhase::Factor {
+  Common cholmod;
+  cholmod_factor* factor = nullptr;
+  SupernodeTree tree;
+
+  Factor() = default;
+  ~Factor() { cholmod_free_factor(&factor, &cholmod.common); }
+  Factor(const Factor&) = delete;
+  Factor& operator=(const Factor&) = delete;
+
+  SupernodalFactor view() const {
+    const auto ints = [](void* p, std::size_t n) { return In<Index>(static_cast<const Index*>(p), n); };
+    return {.super = ints(factor->super, factor->nsuper + 1),
+            .row_begin = ints(factor->pi, factor->nsuper + 1),
+            .row = ints(factor->s, factor->ssize),
+            .value_begin = ints(factor->px, factor->nsuper + 1),
+            .value = static_cast<const double*>(factor->x),
+            .permutation = ints(factor->Perm, factor->n)};
+  }
+};
+
+GlobalPhase::GlobalPhase(std::unique_ptr<Factor> factor) : factor_(std::move(factor)) {}
+GlobalPhase::GlobalPhase(GlobalPhase&&) noexcept = default;
+GlobalPhase& GlobalPhase::operator=(GlobalPhase&&) noexcept = default;
+GlobalPhase::~GlobalPhase() = default;
+
+Result<GlobalPhase> GlobalPhase::factor(const SymmetricMatrix& matrix, In<Index> order) {
+  auto result = std::make_unique<Factor>();
+  cholmod_common& common = result->cholmod.common;
+  cholmod_sparse sparse = planish::view(matrix);
+  const OneBlasThread one_thread;
+  result->factor = cholmod_analyze_p(&sparse, const_cast<Index*>(order.data()), nullptr, 0, &common);
+  if (!result->factor) return out_of_memory("analysis");
+  cholmod_factorize(&sparse, result->factor, &common);
+  if (common.status == CHOLMOD_OUT_OF_MEMORY) return out_of_memory("values");
+  if (common.status != CHOLMOD_OK) {
+    const auto pivot = static_cast<const Index*>(result->factor->Perm)[result->factor->minor];
+    return fail(Error{.code = ErrorCode::FactorizationFailed,
+                      .what = "the Laplacian is not positive definite",
+                      .place = {},
+                      .element = ElementKind::Vertex,
+                      .ids = {pivot},
+                      .count = 1});
+  }
+  result->tree = SupernodeTree(result->view());
+  return GlobalPhase(std::move(result));
+}
+
+void GlobalPhase::solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const {
+  if (!rhs.empty()) factor_->tree.solve(exec, factor_->view(), rhs, x);
+}
+
+Offset GlobalPhase::factor_nonzeros() const { return static_cast<Offset>(factor_->factor->xsize); }
+
+}  // namespace planish

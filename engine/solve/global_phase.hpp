@@ -1,0 +1,40 @@
+// The global phase: a sparse Cholesky factorization, analysed once, factored per matrix, solved many times.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "engine/exec/parallel.hpp"
+#include "engine/model/error.hpp"
+#include "engine/solve/symmetric_matrix.hpp"
+
+namespace planish {
+
+/// Fill-reducing elimination order (nested dissection by METIS); order[k] is the row eliminated k-th.
+/// Fails: OutOfMemory.   Cost: serial, some 3 microseconds a row of a mesh Laplacian.
+Result<std::vector<Index>> fill_reducing_order(const SymmetricMatrix& matrix);
+
+/// Cholesky factor of a symmetric positive definite matrix (CHOLMOD supernodal; BLAS on one thread, so that the same
+/// matrix gives the same bits), with a solve for two interleaved right-hand sides, parallel over the elimination tree.
+class GlobalPhase {
+ public:
+  /// Symbolic analysis and factorization with a given order.
+  /// Fails: FactorizationFailed naming the row of the bad pivot (as Error::ids); OutOfMemory.
+  static Result<GlobalPhase> factor(const SymmetricMatrix& matrix, In<Index> order);
+  GlobalPhase(GlobalPhase&&) noexcept;
+  GlobalPhase& operator=(GlobalPhase&&) noexcept;
+  ~GlobalPhase();
+
+  /// x = matrix^-1 rhs for both components.   rhs, x [n], may be the same array.   Cost: reads the factor twice.
+  void solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const;
+
+  /// Entries of the factor, and bytes they take.
+  Offset factor_nonzeros() const;
+
+ private:
+  struct Factor;
+  explicit GlobalPhase(std::unique_ptr<Factor> factor);
+  std::unique_ptr<Factor> factor_;
+};
+
+}  // namespace planish

@@ -1,0 +1,104 @@
+#include "engine/solve/laplacian.hpp"
+
+#include <algorithm>
+
+namespace planish {
+namespace {
+
+struct Entry {
+  Index row;
+  double value;
+};
+
+/// Neighbours of v across each edge once, with the half-edge that names the edge.
+template <class Visit>
+void for_each_edge(Index v, In<Index> corner_vertex, const Topology& topology, Visit&& visit) {
+  for (const Index c : slice(In<Index>(topology.star_corner), topology.stars().group(v))) {
+    visit(corner_vertex[next_corner(c)], c);
+    const Index arriving = previous_corner(c);
+    if (topology.corner_twin[arriving] == kNone) visit(corner_vertex[arriving], arriving);
+  }
+}
+
+/// Appends the edges of vertex v, which belongs to node j, to the column of j.
+void add_vertex(Index v, Index j, In<Index> corner_vertex, const Topology& topology, In<Index> node,
+                const EdgeWeight& weight, std::vector<Entry>& column) {
+  for_each_edge(v, corner_vertex, topology, [&](Index u, Index c) {
+    const Index i = node[u];
+    if (i == j) return;
+    const double w = weight(c);
+    column.front().value += w;
+    if (i > j) column.push_back({i, -w});
+  });
+}
+
+void merge_rows(std::vector<Entry>& column) {
+  std::sort(column.begin() + 1, column.end(), [](const Entry& a, const Entry& b) { return a.row < b.row; });
+  std::size_t last = 0;
+  for (std::size_t k = 1; k < column.size(); ++k) {
+    if (column[k].row == column[last].row) {
+      column[last].value += column[k].value;
+    } else {
+      column[++last] = column[k];
+    }
+  }
+  column.resize(last + 1);
+}
+
+SymmetricMatrix concatenate(const Exec& exec, Index n, std::vector<std::vector<Entry>>& block_entries,
+                            std::vector<Index>& column_size) {
+  SymmetricMatrix matrix;
+  matrix.column_begin = exclusive_scan(column_size);
+  matrix.row.resize(matrix.column_begin[n]);
+  matrix.value.resize(matrix.column_begin[n]);
+  exec.for_blocks(n, kBlock, [&](Index block, Range r) {
+    Index k = matrix.column_begin[r.begin];
+    for (const Entry& e : block_entries[block]) {
+      matrix.row[k] = e.row;
+      matrix.value[k++] = e.value;
+    }
+    block_entries[block] = {};
+  });
+  return matrix;
+}
+
+}  // namespace
+
+SymmetricMatrix quotient_laplacian(const Exec& exec, In<Index> corner_vertex, const Topology& topology,
+                                   In<Index> node, Index num_nodes, const EdgeWeight& weight) {
+  const auto num_vertices = static_cast<Index>(node.size());
+  std::vector<std::vector<Index>> members(std::max(0, num_nodes - num_vertices));  // of the merged nodes
+  for (Index v = 0; v < num_vertices; ++v) {
+    if (node[v] >= num_vertices) members[node[v] - num_vertices].push_back(v);
+  }
+  std::vector<std::vector<Entry>> block_entries(Exec::num_blocks(num_nodes, kBlock));
+  std::vector<Index> column_size(num_nodes);
+  exec.for_blocks(num_nodes, kBlock, [&](Index block, Range r) {
+    std::vector<Entry> column;
+    for (Index j = r.begin; j < r.end; ++j) {
+      column.assign(1, {j, 0});
+      if (j >= num_vertices) {
+        for (const Index v : members[j - num_vertices]) {
+          add_vertex(v, j, corner_vertex, topology, node, weight, column);
+        }
+      } else if (node[j] == j) {
+        add_vertex(j, j, corner_vertex, topology, node, weight, column);
+      } else {
+        column.front().value = 1;
+      }
+      merge_rows(column);
+      column_size[j] = static_cast<Index>(column.size());
+      block_entries[block].insert(block_entries[block].end(), column.begin(), column.end());
+    }
+  });
+  return concatenate(exec, num_nodes, block_entries, column_size);
+}
+
+SymmetricMatrix vertex_laplacian(const Exec& exec, In<Index> corner_vertex, const Topology& topology,
+                                 In<std::uint8_t> fixed, const EdgeWeight& weight) {
+  std::vector<Index> node(fixed.size());
+  for (std::size_t v = 0; v < fixed.size(); ++v) node[v] = fixed[v] ? kNone : static_cast<Index>(v);
+  return quotient_laplacian(exec, corner_vertex, topology, node, static_cast<Index>(node.size()), weight);
+}
+
+}  // namespace planish

@@ -1,0 +1,42 @@
+// The local phase as the engine runs it: one sweep over triangles, one gather over stars.
+#pragma once
+
+#include <vector>
+
+#include "engine/exec/parallel.hpp"
+#include "kernels/base/offsets.hpp"
+#include "kernels/intrinsic/lengths.hpp"
+
+namespace planish {
+
+/// The ARAP energy of a mesh: sum over triangles of A |J - R|_F^2 with R the closest rotation (Liu et al. 2008).
+struct ArapEnergy {
+  In<Index> corner_vertex;   ///< [3 T]
+  Offsets stars;             ///< [V] corners at each vertex
+  In<Index> star_corner;     ///< [3 T]
+  In<RestFrame> frame;       ///< [T]
+  In<double> cotangent;      ///< [3 T]
+  In<std::uint8_t> fixed;    ///< [V] 1 for the vertex of each component that holds it in place
+  double area = 0;           ///< sum of the rest areas
+  Index num_vertices() const { return stars.size(); }
+  Index num_triangles() const { return static_cast<Index>(frame.size()); }
+};
+
+class LocalPhase {
+ public:
+  LocalPhase(const Exec& exec, const ArapEnergy& energy);
+
+  /// Energy (not divided by the area) at uv [V]; force [V] out: half its gradient, 0 at fixed vertices.
+  double evaluate(In<Vec2> uv, Out<Vec2> force);
+
+  /// Forces at uv = 0 for given rotations [T]: minus the right-hand side of the first global solve.
+  void evaluate_rotations(In<Vec2> rotation, Out<Vec2> force);
+
+ private:
+  void gather(Out<Vec2> force) const;
+  const Exec& exec_;
+  ArapEnergy energy_;
+  std::vector<Vec2> corner_force_;
+};
+
+}  // namespace planish

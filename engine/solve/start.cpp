@@ -1,0 +1,147 @@
+#include "engine/solve/start.hpp"
+
+#include <algorithm>
+
+#include "engine/solve/global_phase.hpp"
+#include "engine/solve/laplacian.hpp"
+#include "kernels/local/proxy.hpp"
+
+namespace planish {
+namespace {
+
+constexpr double kLargestResidual = 1e-9;
+constexpr double kLeastWeightShare = 1e-3;  // of the mean, so that obtuse pairs do not turn weights negative
+
+/// Cotangent weights of edges, floored at a share of their mean.
+class FlooredWeights {
+ public:
+  FlooredWeights(const Exec& exec, const StartInput& input) : input_(input) {
+    const auto num_corners = static_cast<Index>(input.corner_vertex.size());
+    const double total = exec.sum_blocks(num_corners, kBlock, [&](Range r) {
+      double sum = 0;
+      for (Index c = r.begin; c < r.end; ++c) sum += 0.5 * input.cotangent[c];
+      return sum;
+    });
+    least_ = kLeastWeightShare * std::abs(total) / std::max<double>(1, input.topology->num_edges);
+  }
+  double operator()(Index c) const { return std::max(plain(c), least_); }
+
+ private:
+  double plain(Index c) const {
+    const Index twin = input_.topology->corner_twin[c];
+    return 0.5 * (input_.cotangent[previous_corner(c)] +
+                  (twin == kNone ? 0 : input_.cotangent[previous_corner(twin)]));
+  }
+  const StartInput& input_;
+  double least_ = 0;
+};
+
+/// The vertices' order, then the nodes of holes: dense rows are eliminated last.
+std::vector<Index> order_with_holes(In<Index> order, Index num_nodes) {
+  std::vector<Index> extended(order.begin(), order.end());
+  for (auto node = static_cast<Index>(order.size()); node < num_nodes; ++node) extended.push_back(node);
+  return extended;
+}
+
+Result<std::vector<double>> solve_rotation_rows(const Exec& exec, const StartInput& input, const RotationRows& rows,
+                                                const EdgeWeight& weight, double& residual) {
+  const SymmetricMatrix laplacian = quotient_laplacian(exec, input.corner_vertex, *input.topology, rows.vertex_node,
+                                                       rows.num_nodes, weight);
+  auto global = GlobalPhase::factor(laplacian, order_with_holes(input.order, rows.num_nodes));
+  if (!global) return fail(global.error());
+  std::vector<Vec2> x(rows.num_nodes);
+  for (Index j = 0; j < rows.num_nodes; ++j) x[j] = {rows.target[j], 0};
+  global->solve(exec, x, x);
+  std::vector<double> potential(rows.num_nodes);
+  for (Index j = 0; j < rows.num_nodes; ++j) potential[j] = x[j].x;
+  residual = largest_residual(laplacian, potential, rows.target);
+  if (!(residual <= kLargestResidual)) {
+    return fail(ErrorCode::ResidualTooLarge,
+                "rotations miss their rows by " + std::to_string(residual) + " radians, 1e-9 is allowed");
+  }
+  return potential;
+}
+
+/// The boundary's outer loops on circles by arc length, of the component's area; everything else harmonic.
+Result<std::vector<Vec2>> harmonic_map(const Exec& exec, const StartInput& input, In<Index> outer_loop,
+                                       const EdgeWeight& weight) {
+  const Topology& topology = *input.topology;
+  const auto num_vertices = static_cast<Index>(input.angle_sum.size());
+  std::vector<double> component_area(topology.num_components, 0);
+  for (std::size_t t = 0; t < input.frame.size(); ++t) {
+    component_area[topology.triangle_component[t]] += area(input.frame[t]);
+  }
+  std::vector<std::uint8_t> fixed(num_vertices, 0);
+  std::vector<Vec2> uv(num_vertices);
+  for (Index k = 0; k < topology.num_components; ++k) {
+    const double radius = std::sqrt(component_area[k] / kPi);
+    double along = 0;
+    for (const Index c : slice(In<Index>(topology.loop_corner), topology.loops().group(outer_loop[k]))) {
+      const Index v = input.corner_vertex[c];
+      fixed[v] = 1;
+      uv[v] = radius * unit(2 * kPi * along / topology.loop_length[outer_loop[k]]);
+      along += norm(edge_vectors(input.frame[c / 3])[c % 3]);
+    }
+  }
+  std::vector<Vec2> rhs = uv;
+  exec.for_blocks(num_vertices, kBlock, [&](Index, Range r) {
+    for (Index v = r.begin; v < r.end; ++v) {
+      if (fixed[v]) continue;
+      for (const Index c : slice(In<Index>(topology.star_corner), topology.stars().group(v))) {
+        const Index u = input.corner_vertex[next_corner(c)];
+        if (fixed[u]) rhs[v] += weight(c) * uv[u];
+        const Index arriving = previous_corner(c), w = input.corner_vertex[arriving];
+        if (topology.corner_twin[arriving] == kNone && fixed[w]) rhs[v] += weight(arriving) * uv[w];
+      }
+    }
+  });
+  auto global =
+      GlobalPhase::factor(vertex_laplacian(exec, input.corner_vertex, topology, fixed, weight), input.order);
+  if (!global) return fail(global.error());
+  global->solve(exec, rhs, uv);
+  return uv;
+}
+
+std::vector<Vec2> closest_rotations(const Exec& exec, const StartInput& input, In<Vec2> uv) {
+  std::vector<Vec2> rotation(input.frame.size());
+  exec.for_blocks(static_cast<Index>(input.frame.size()), kBlock, [&](Index, Range r) {
+    for (Index t = r.begin; t < r.end; ++t) {
+      rotation[t] = closest_rotation({uv[input.corner_vertex[3 * t]], uv[input.corner_vertex[3 * t + 1]],
+                                      uv[input.corner_vertex[3 * t + 2]]},
+                                     &input.cotangent[3 * t], input.frame[t]);
+    }
+  });
+  return rotation;
+}
+
+}  // namespace
+
+Result<Start> first_rotations(const Exec& exec, const StartInput& input, Init init) {
+  RotationRows rows = rotation_rows(*input.topology, input.corner_vertex, input.angle_sum);
+  Start start;
+  const FlooredWeights floored(exec, input);
+  if (init == Init::Harmonic) {
+    auto uv = harmonic_map(exec, input, rows.outer_loop, std::cref(floored));
+    if (!uv) return fail(uv.error());
+    start.rotation = closest_rotations(exec, input, *uv);
+  } else {
+    const EdgeWeight weight =
+        init == Init::Cotangent ? EdgeWeight(std::cref(floored)) : EdgeWeight([](Index) { return 1.0; });
+    std::vector<double> potential;
+    if (init != Init::Identity) {
+      auto solved = solve_rotation_rows(exec, input, rows, weight, start.holonomy_residual);
+      if (!solved) return fail(solved.error());
+      potential = std::move(*solved);
+    }
+    const auto theta =
+        integrate_connection(*input.topology, input.corner_vertex, input.frame, rows, potential, weight);
+    start.rotation.resize(theta.size());
+    exec.for_blocks(static_cast<Index>(theta.size()), kBlock, [&](Index, Range r) {
+      for (Index t = r.begin; t < r.end; ++t) start.rotation[t] = unit(theta[t]);
+    });
+  }
+  start.outer_loop = std::move(rows.outer_loop);
+  return start;
+}
+
+}  // namespace planish

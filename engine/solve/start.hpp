@@ -1,0 +1,33 @@
+// First rotations of the triangles, by one of the methods of DESIGN 3.1.
+#pragma once
+
+#include <vector>
+
+#include "engine/exec/parallel.hpp"
+#include "engine/model/error.hpp"
+#include "engine/model/options.hpp"
+#include "engine/prepare/connection.hpp"
+#include "engine/prepare/topology.hpp"
+
+namespace planish {
+
+/// What the first rotations are computed from.
+struct StartInput {
+  In<Index> corner_vertex;
+  const Topology* topology = nullptr;
+  In<RestFrame> frame;
+  In<double> cotangent;
+  In<double> angle_sum;  ///< [V]
+  In<Index> order;       ///< fill-reducing order of the vertices
+};
+
+struct Start {
+  std::vector<Vec2> rotation;     ///< [T] unit complex numbers
+  std::vector<Index> outer_loop;  ///< per component
+  double holonomy_residual = 0;   ///< largest residual of the rotation rows, radians; 0 where none were solved
+};
+
+/// Fails: FactorizationFailed, OutOfMemory; ResidualTooLarge where a row is missed by more than 1e-9.
+Result<Start> first_rotations(const Exec& exec, const StartInput& input, Init init);
+
+}  // namespace planish

@@ -1,0 +1,116 @@
+#include "engine/verify/certificate.hpp"
+
+#include <algorithm>
+
+#include "kernels/exact/orient2.hpp"
+#include "kernels/local/distortion.hpp"
+#include "kernels/local/jacobians.hpp"
+
+namespace planish {
+namespace {
+
+struct Weighted {
+  double value, weight;
+};
+
+Spread spread_of(std::vector<Weighted> values) {
+  std::sort(values.begin(), values.end(), [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
+  std::vector<double> weight(values.size()), moment(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    weight[i] = values[i].weight;
+    moment[i] = values[i].weight * values[i].value;
+  }
+  const double total = pairwise_sum(weight);
+  Spread spread{.min = values.front().value, .max = values.back().value, .mean = pairwise_sum(moment) / total};
+  double below = 0;
+  std::size_t i = 0;
+  for (const auto& [share, target] : {std::pair{0.01, &spread.p1}, {0.50, &spread.p50}, {0.99, &spread.p99}}) {
+    while (i + 1 < values.size() && below + values[i].weight < share * total) below += values[i++].weight;
+    *target = values[i].value;
+  }
+  return spread;
+}
+
+void measure_energies(const Exec& exec, In<RestFrame> frame, In<SingularValues> sigma, Certificate& certificate) {
+  const auto num_triangles = static_cast<Index>(frame.size());
+  const auto total = [&](auto&& density) {
+    return exec.sum_blocks(num_triangles, kBlock, [&](Range r) {
+      double sum = 0;
+      for (Index t = r.begin; t < r.end; ++t) sum += area(frame[t]) * density(sigma[t]);
+      return sum;
+    });
+  };
+  const double rest_area = total([](SingularValues) { return 1.0; });
+  certificate.arap = total([](SingularValues s) { return arap(s); }) / rest_area;
+  certificate.symmetric_dirichlet = total([](SingularValues s) { return symmetric_dirichlet(s); }) / rest_area;
+}
+
+void measure_stretch(const Exec& exec, In<RestFrame> frame, In<SingularValues> sigma, Certificate& certificate) {
+  const auto spread = [&](auto&& quantity) {
+    std::vector<Weighted> values(frame.size());
+    for (std::size_t t = 0; t < frame.size(); ++t) values[t] = {quantity(sigma[t]), area(frame[t])};
+    return spread_of(std::move(values));
+  };
+  exec.for_tasks(4, [&](Index task) {
+    if (task == 0) certificate.sigma_max = spread([](SingularValues s) { return s.sigma_max; });
+    if (task == 1) certificate.sigma_min = spread([](SingularValues s) { return s.sigma_min; });
+    if (task == 2) certificate.area_ratio = spread([](SingularValues s) { return s.sigma_max * s.sigma_min; });
+    if (task == 3) certificate.angle_distortion = spread([](SingularValues s) { return s.sigma_max / s.sigma_min; });
+  });
+}
+
+/// Indices i of [0, n) with holds(i), ascending.
+template <class Holds>
+std::vector<Index> select(const Exec& exec, Index n, Holds&& holds) {
+  std::vector<std::vector<Index>> part(Exec::num_blocks(n, kBlock));
+  exec.for_blocks(n, kBlock, [&](Index block, Range r) {
+    for (Index i = r.begin; i < r.end; ++i) {
+      if (holds(i)) part[block].push_back(i);
+    }
+  });
+  std::vector<Index> selected;
+  for (const auto& p : part) selected.insert(selected.end(), p.begin(), p.end());
+  return selected;
+}
+
+/// Signed angle of corner c in the map.
+double image_angle(Index c, In<Index> corner_vertex, In<Vec2> uv) {
+  const Vec2 apex = uv[corner_vertex[c]];
+  const Vec2 a = uv[corner_vertex[next_corner(c)]] - apex, b = uv[corner_vertex[previous_corner(c)]] - apex;
+  return std::atan2(cross(a, b), dot(a, b));
+}
+
+}  // namespace
+
+Certificate certify(const Exec& exec, const Surface& surface, const Topology& topology, In<RestFrame> frame,
+                    In<Vec2> uv) {
+  const Index num_triangles = surface.num_triangles();
+  const In<Index> corner = surface.corner_vertex;
+  std::vector<Mat2> jacobian(num_triangles);
+  std::vector<SingularValues> sigma(num_triangles);
+  exec.for_blocks(num_triangles, kBlock, [&](Index, Range r) {
+    jacobians(r, frame, uv, corner, jacobian);
+    singular_values(r, jacobian, sigma);
+  });
+  Certificate certificate;
+  certificate.flipped = select(exec, num_triangles, [&](Index t) {
+    return orient2(uv[corner[3 * t]], uv[corner[3 * t + 1]], uv[corner[3 * t + 2]]) <= 0;
+  });
+  // A fan winds 2 pi k around its centre: more than 2 pi means at least 4 pi, and 3 pi tells them apart.
+  certificate.overwound = select(exec, surface.num_vertices(), [&](Index v) {
+    if (topology.is_boundary(v)) return false;
+    double angle = 0;
+    for (const Index c : slice(In<Index>(topology.star_corner), topology.stars().group(v))) {
+      angle += image_angle(c, corner, uv);
+    }
+    return angle > 3 * kPi;
+  });
+  certificate.flipped_triangles = static_cast<Offset>(certificate.flipped.size());
+  certificate.overwound_vertices = static_cast<Offset>(certificate.overwound.size());
+  measure_energies(exec, frame, sigma, certificate);
+  if (certificate.flipped_triangles > 0) certificate.symmetric_dirichlet = kInfinity;
+  measure_stretch(exec, frame, sigma, certificate);
+  return certificate;
+}
+
+}  // namespace planish

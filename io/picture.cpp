@@ -1,0 +1,308 @@
+#include "io/picture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_set>
+
+#include "io/canvas.hpp"
+#include "io/file.hpp"
+#include "io/legend.hpp"
+#include "io/outline.hpp"
+#include "io/raster.hpp"
+#include "io/stretch_field.hpp"
+
+namespace planish {
+namespace {
+
+constexpr Rgb kInk{0.13, 0.13, 0.14};
+constexpr Rgb kPaper{1, 1, 1};
+
+/// Sizes at a picture of 1600 pixels; all but the wireframe scale with the width.
+constexpr double kMargin = 48, kTitleSize = 30, kTitleHeight = 58, kGap = 36, kSmallestPanel = 80;
+constexpr double kBoundaryWidth = 2.2;
+constexpr double kRingRadius = 10, kRingWidth = 2.6;
+constexpr double kSmallestMarkUnit = 0.6;  // rings stay visible in small pictures
+
+/// Where everything is, in pixels.
+struct Layout {
+  int width = 0, height = 0;
+  double unit = 1;    ///< width / 1600
+  Vec2 panel_corner;  ///< upper left, on whole pixels
+  int panel_width = 0, panel_height = 0;
+  double pixels_a_unit = 1;  ///< of the mesh
+  Vec2 lower;                ///< uv that is drawn at `origin`
+  Vec2 origin;               ///< pixels from the panel's corner
+  Vec2 size;                 ///< of the panel, mesh units
+
+  /// Pixels from the panel's corner.
+  Vec2 to_panel(Vec2 uv) const {
+    return {origin.x + pixels_a_unit * (uv.x - lower.x), origin.y - pixels_a_unit * (uv.y - lower.y)};
+  }
+};
+
+Result<void> check_input(const Surface& surface, In<Vec2> uv, const Certificate& certificate, int width) {
+  if (width < 200 || width > 8000) {
+    return fail(ErrorCode::BadUsage, fmt::format("a picture is 200 to 8000 pixels wide, not {}", width));
+  }
+  if (uv.size() != surface.position.size()) {
+    return fail(ErrorCode::BadUsage, fmt::format("a picture needs one uv a vertex: {} for {}", uv.size(),
+                                                 surface.position.size()));
+  }
+  const auto out_of = [](Index limit) { return [limit](Index i) { return i < 0 || i >= limit; }; };
+  if (std::ranges::any_of(surface.corner_vertex, out_of(surface.num_vertices()))) {
+    return fail(ErrorCode::IndexOutOfRange, "a triangle names a vertex that does not exist");
+  }
+  if (std::ranges::any_of(certificate.flipped, out_of(surface.num_triangles()))) {
+    return fail(ErrorCode::IndexOutOfRange, "a flipped triangle does not exist");
+  }
+  Error error{
+      .code = ErrorCode::NonFinitePosition, .what = "uv is not finite", .element = ElementKind::Vertex};
+  for (Index v = 0; v < surface.num_vertices(); ++v) {
+    if (std::isfinite(uv[v].x) && std::isfinite(uv[v].y)) continue;
+    if (error.ids.size() < kMaxListedIds) error.ids.push_back(v);
+    ++error.count;
+  }
+  if (error.count > 0) return fail(std::move(error));
+  return {};
+}
+
+struct Box {
+  Vec2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
+};
+
+/// Of referenced vertices only: the others lie at 0 0 and are not part of the panel.
+Box bounding_box(In<Index> corner_vertex, In<Vec2> uv) {
+  Box box;
+  for (const Index v : corner_vertex) {
+    box.lower = {std::min(box.lower.x, uv[v].x), std::min(box.lower.y, uv[v].y)};
+    box.upper = {std::max(box.upper.x, uv[v].x), std::max(box.upper.y, uv[v].y)};
+  }
+  if (corner_vertex.empty()) box = {{}, {}};
+  return box;
+}
+
+/// The panel in true aspect, as wide as fits and never higher than leaves 4 times the width for the whole.
+Result<Layout> lay_out(const Box& box, int width) {
+  Layout layout;
+  layout.width = width;
+  layout.unit = width / 1600.0;
+  layout.lower = box.lower;
+  layout.size = box.upper - box.lower;
+  if (!std::isfinite(layout.size.x) || !std::isfinite(layout.size.y)) {
+    return fail(ErrorCode::NonFinitePosition, "the extent of uv is not finite");
+  }
+  const double u = layout.unit;
+  const double around = u * (kMargin + kTitleHeight + kGap + kLegendHeight + kMargin);
+  const double room_x = width - 2 * u * kMargin, room_y = 4.0 * width - around - 1;
+  const double scale = std::min(room_x / layout.size.x, room_y / layout.size.y);
+  layout.pixels_a_unit =
+      std::isfinite(scale) ? scale : 1;  // a panel of no size, or as good as none, is a dot
+  const double panel_y = std::max(layout.pixels_a_unit * layout.size.y, u * kSmallestPanel);
+  layout.panel_corner = {std::floor(u * kMargin), std::floor(u * (kMargin + kTitleHeight))};
+  layout.panel_width = static_cast<int>(std::ceil(room_x));
+  layout.panel_height = static_cast<int>(std::ceil(panel_y));
+  layout.height = static_cast<int>(std::ceil(around + panel_y));
+  layout.origin = {0.5 * (room_x - layout.pixels_a_unit * layout.size.x),
+                   0.5 * (panel_y + layout.pixels_a_unit * layout.size.y)};
+  return layout;
+}
+
+/// Pixels from the panel's corner, inside it; unreferenced vertices, which may lie far outside, at its
+/// border.
+std::vector<Vec2> place_vertices(const Exec& exec, const Layout& layout, In<Vec2> uv) {
+  std::vector<Vec2> point(uv.size());
+  exec.for_blocks(static_cast<Index>(uv.size()), kBlock, [&](Index, Range r) {
+    for (Index v = r.begin; v < r.end; ++v) {
+      const Vec2 p = layout.to_panel(uv[v]);
+      point[v] = {std::clamp(p.x, 0.0, double(layout.panel_width)),
+                  std::clamp(p.y, 0.0, double(layout.panel_height))};
+    }
+  });
+  return point;
+}
+
+/// How far apart the lines of each triangle stand: its height over the longest edge, pixels.
+std::vector<float> line_spacing(const Exec& exec, In<Vec2> point, In<Index> corner_vertex) {
+  std::vector<float> spacing(corner_vertex.size() / 3);
+  exec.for_blocks(static_cast<Index>(spacing.size()), kBlock, [&](Index, Range r) {
+    for (Index t = r.begin; t < r.end; ++t) {
+      const Vec2 a = point[corner_vertex[3 * t]], b = point[corner_vertex[3 * t + 1]],
+                 c = point[corner_vertex[3 * t + 2]];
+      const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
+      spacing[t] = longest > 0 ? static_cast<float>(std::abs(cross(b - a, c - a)) / longest) : 0;
+    }
+  });
+  return spacing;
+}
+
+/// Lines by their opacity: they fade as they come closer, and are left out before they would merge into grey.
+constexpr int kWireClasses = 8;
+using Wireframe = std::array<std::vector<Vec2>, kWireClasses>;  ///< segments of each class, two points each
+constexpr float kClosestLines = 4, kFullLines = 12;             ///< spacing, pixels
+constexpr double kWireAlpha = 0.42;
+
+Wireframe make_wireframe(const Exec& exec, const Outline& outline, In<Vec2> point, In<Index> corner_vertex) {
+  const std::vector<float> spacing = line_spacing(exec, point, corner_vertex);
+  Wireframe wireframe;
+  for (const Index c : outline.inner) {
+    const Index twin = outline.twin[c];
+    const float closest = twin == kNone ? spacing[c / 3] : std::min(spacing[c / 3], spacing[twin / 3]);
+    if (closest < kClosestLines) continue;
+    const float strength = (closest - kClosestLines) / (kFullLines - kClosestLines);
+    auto& segments = wireframe[static_cast<int>(std::min(strength, 0.999f) * kWireClasses)];
+    segments.push_back(point[corner_vertex[c]]);
+    segments.push_back(point[corner_vertex[next_corner(c)]]);
+  }
+  return wireframe;
+}
+
+void draw_wireframe(Canvas& canvas, const Wireframe& wireframe) {
+  for (int k = 0; k < kWireClasses; ++k) {
+    canvas.segments(wireframe[k], {kInk, 0.7, kWireAlpha * (k + 0.5) / kWireClasses});
+  }
+}
+
+std::size_t num_lines(const Wireframe& wireframe) {
+  std::size_t points = 0;
+  for (const auto& segments : wireframe) points += segments.size();
+  return points / 2;
+}
+
+void shift(Vec2 by, std::vector<Vec2>& points) {
+  for (Vec2& p : points) p += by;
+}
+
+/// Colours and wireframe; the wireframe as lines where the file stays small.
+void draw_field(Canvas& canvas, const Layout& layout, const Raster& raster, Wireframe wireframe) {
+  constexpr std::size_t kMostVectorLines = 30000;
+  if (canvas.format() == Canvas::Format::Png || num_lines(wireframe) <= kMostVectorLines) {
+    canvas.image(raster, layout.panel_corner);
+    for (auto& segments : wireframe) shift(layout.panel_corner, segments);
+    draw_wireframe(canvas, wireframe);
+    return;
+  }
+  Canvas layer(Canvas::Format::Png, layout.panel_width, layout.panel_height);
+  layer.image(raster, {});
+  draw_wireframe(layer, wireframe);
+  canvas.image(layer, layout.panel_corner);
+}
+
+/// The chain without points that would not be seen.
+std::vector<Vec2> visible_line(const std::vector<Index>& chain, In<Vec2> point) {
+  constexpr double kNearest = 0.35;  // pixels
+  std::vector<Vec2> line{point[chain.front()]};
+  for (const Index v : chain) {
+    if (norm(point[v] - line.back()) >= kNearest) line.push_back(point[v]);
+  }
+  if (line.back() != point[chain.back()]) line.push_back(point[chain.back()]);
+  return line;
+}
+
+/// Bold, but never more ink than a small part of the panel: a thousand small components keep their colours.
+double boundary_width(const std::vector<std::vector<Vec2>>& lines, const Raster& raster, double unit) {
+  constexpr double kMostInk = 0.12;
+  double length = 0;
+  for (const auto& line : lines) {
+    for (std::size_t i = 1; i < line.size(); ++i) length += norm(line[i] - line[i - 1]);
+  }
+  const auto covered = std::ranges::count_if(raster.pixel, [](std::uint32_t p) { return p != 0; });
+  if (length == 0 || covered == 0) return unit * kBoundaryWidth;
+  return std::clamp(kMostInk * static_cast<double>(covered) / length, 0.35, unit * kBoundaryWidth);
+}
+
+void draw_boundary(Canvas& canvas, const Layout& layout, const Outline& outline, In<Vec2> point,
+                   const Raster& raster) {
+  std::vector<std::vector<Vec2>> lines;
+  for (const auto& chain : outline.boundary) lines.push_back(visible_line(chain, point));
+  const double width = boundary_width(lines, raster, layout.unit);
+  for (auto& line : lines) {
+    const bool closed = line.size() > 2 && line.front() == line.back();
+    shift(layout.panel_corner, line);
+    canvas.polyline(line, closed, {kInk, width, 1});
+  }
+}
+
+/// A ring around every flipped triangle too small to be found by its colour; one for those that stand
+/// together.
+void mark_flips(Canvas& canvas, const Layout& layout, In<Index> flipped, In<Index> corner_vertex,
+                In<Vec2> point) {
+  const double unit = std::max(layout.unit, kSmallestMarkUnit);
+  const double radius = unit * kRingRadius;
+  std::unordered_set<std::int64_t> ringed;
+  for (const Index t : flipped) {
+    std::array<Vec2, 3> p;
+    for (int i = 0; i < 3; ++i) p[i] = point[corner_vertex[3 * t + i]] + layout.panel_corner;
+    const double extent = std::max({norm(p[1] - p[0]), norm(p[2] - p[1]), norm(p[0] - p[2])});
+    if (extent >= 2 * radius) {
+      canvas.polyline(p, true, {kFlipColour, 1.5 * unit, 1});
+      continue;
+    }
+    const Vec2 centre = (1.0 / 3) * (p[0] + p[1] + p[2]);
+    const auto cell = [&](double x) { return static_cast<std::int64_t>(x / (1.5 * radius)); };
+    if (!ringed.insert(cell(centre.x) << 32 | cell(centre.y)).second) continue;
+    canvas.ring(centre, radius, {kPaper, unit * (kRingWidth + 3), 0.85});
+    canvas.ring(centre, radius, {kFlipColour, unit * kRingWidth, 1});
+  }
+}
+
+/// As much of the title as fits.
+void draw_title(Canvas& canvas, const Layout& layout, std::string title) {
+  const double u = layout.unit;
+  const TextStyle style{u * kTitleSize, kInk, true, Anchor::Left};
+  const double room = layout.width - 2 * u * kMargin;
+  if (canvas.text_width(title, style) > room) {
+    constexpr const char* kEllipsis = "\u2026";
+    const auto is_inside_letter = [&] { return (static_cast<unsigned char>(title.back()) & 0xC0) == 0x80; };
+    do {
+      while (title.size() > 1 && is_inside_letter()) title.pop_back();
+      title.pop_back();
+    } while (!title.empty() && canvas.text_width(title + kEllipsis, style) > room);
+    title += kEllipsis;
+  }
+  canvas.text({u * kMargin, u * (kMargin + 0.8 * kTitleSize)}, title, style);
+}
+
+}  // namespace
+
+Result<void> write_picture(const Exec& exec, const std::string& path, const Surface& surface, In<Vec2> uv,
+                           const Certificate& certificate, const PictureOptions& options) {
+  const std::string format = format_of(path);
+  if (format != "png" && format != "svg") {
+    return fail(
+        {.code = ErrorCode::UnknownFormat, .what = "a picture is .svg or .png", .place = {.file = path}});
+  }
+  if (auto checked = check_input(surface, uv, certificate, options.width); !checked)
+    return fail(checked.error());
+  const Result<Layout> laid_out = lay_out(bounding_box(surface.corner_vertex, uv), options.width);
+  if (!laid_out) return fail(laid_out.error());
+  const Layout& layout = *laid_out;
+  const In<Index> corner_vertex = surface.corner_vertex;
+
+  const std::vector<Vec2> point = place_vertices(exec, layout, uv);
+  const StretchField field = stretch_field(exec, surface, uv, certificate.flipped);
+  const Raster raster =
+      rasterise(exec, corner_vertex, point, field.value, layout.panel_width, layout.panel_height);
+  const Outline outline = find_outline(exec, corner_vertex, surface.num_vertices());
+
+  Canvas canvas(format == "png" ? Canvas::Format::Png : Canvas::Format::Svg, layout.width, layout.height);
+  canvas.fill_rectangle({}, {double(layout.width), double(layout.height)}, kPaper);
+  draw_field(canvas, layout, raster, make_wireframe(exec, outline, point, corner_vertex));
+  draw_boundary(canvas, layout, outline, point, raster);
+  mark_flips(canvas, layout, certificate.flipped, corner_vertex, point);
+  draw_title(canvas, layout, options.title);
+  draw_legend(canvas,
+              {.limit = field.limit,
+               .certificate = &certificate,
+               .triangles = surface.num_triangles(),
+               .panel_size = layout.size,
+               .pixels_a_unit = layout.pixels_a_unit},
+              layout.height - layout.unit * (kLegendHeight + kMargin), layout.unit * kMargin, layout.unit);
+  const Result<std::string> bytes = canvas.finish();
+  if (!bytes) return fail(bytes.error());
+  return write_file(path, *bytes);
+}
+
+}  // namespace planish

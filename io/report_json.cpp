@@ -1,0 +1,163 @@
+#include "io/report_json.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace planish {
+namespace {
+
+using Json = nlohmann::ordered_json;  // fields in the order of DESIGN 4.3
+
+/// JSON has no infinity: null.
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+Json first_ids(In<Index> ids) {
+  Json list = Json::array();
+  for (const Index id : ids.first(std::min(ids.size(), kMaxListedIds))) list.push_back(id);
+  return list;
+}
+
+Json spread(const Spread& s) {
+  return {{"min", number(s.min)}, {"max", number(s.max)}, {"mean", number(s.mean)},
+          {"p1", number(s.p1)},   {"p50", number(s.p50)}, {"p99", number(s.p99)}};
+}
+
+Json mesh_facts(const MeshFacts& m) {
+  return {{"vertices", m.vertices},
+          {"unreferenced_vertices", m.unreferenced_vertices},
+          {"triangles", m.triangles},
+          {"components", m.components},
+          {"boundary_loops", m.boundary_loops},
+          {"euler", m.euler},
+          {"outer", m.outer},
+          {"mollified_triangles", m.mollified_triangles}};
+}
+
+void add_certificate(Json& report, const Certificate& c) {
+  report["energy"] = {{"arap", number(c.arap)}, {"symmetric_dirichlet", number(c.symmetric_dirichlet)}};
+  report["stretch"] = {{"sigma_max", spread(c.sigma_max)},
+                       {"sigma_min", spread(c.sigma_min)},
+                       {"area_ratio", spread(c.area_ratio)},
+                       {"angle_distortion", spread(c.angle_distortion)}};
+  report["flipped_triangles"] = c.flipped_triangles;
+  report["flipped_ids"] = first_ids(c.flipped);
+  report["overwound_vertices"] = c.overwound_vertices;
+  report["overwound_ids"] = first_ids(c.overwound);
+  report["overlapping_pairs"] = c.overlapping_pairs;
+  report["overlap_area_fraction"] = number(c.overlap_area_fraction);
+}
+
+void add_iteration(Json& report, const Flattening& f) {
+  report["iterations"] = f.iterations;
+  report["converged"] = f.converged;
+  report["gradient"] = number(f.gradient);
+  report["holonomy_residual"] = number(f.holonomy_residual);
+  Json history = Json::array();
+  for (const Iterate& i : f.history) {
+    history.push_back(
+        {{"iteration", i.iteration}, {"energy", number(i.energy)}, {"gradient", number(i.gradient)}});
+  }
+  report["history"] = std::move(history);
+}
+
+/// Seconds of each step; a step that ran more than once has its sum.
+Json timings(const std::vector<StepTime>& engine, const std::vector<StepTime>& extra) {
+  Json seconds = Json::object();
+  for (const auto* list : {&engine, &extra}) {
+    for (const StepTime& s : *list) seconds[s.step] = number(seconds.value(s.step, 0.0) + s.seconds);
+  }
+  return seconds;
+}
+
+Json repairs(const std::vector<Mending>& mendings) {
+  Json list = Json::array();
+  for (const Mending& m : mendings) {
+    list.push_back({{"what", m.what}, {"count", m.count}, {"ids", first_ids(m.ids)}});
+  }
+  return list;
+}
+
+Json point(Vec3 p) { return Json::array({number(p.x), number(p.y), number(p.z)}); }
+
+Json defect(const Defect& d) {
+  return {{"code", name(d.code)},
+          {"element", name(d.element)},
+          {"ids", first_ids(d.ids)},
+          {"count", d.count},
+          {"remedy", remedy(d.code)}};
+}
+
+/// Numbers so that they read back bit for bit; bytes of names and paths that are not UTF-8 as U+FFFD.
+std::string written(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+std::string report_json(const Flattening& flattening, const ReportContext& context) {
+  Json report;
+  report["version"] = 1;
+  report["planish"] = PLANISH_VERSION;
+  report["command"] = context.command;
+  report["input"] = context.input;
+  report["mesh"] = mesh_facts(flattening.mesh);
+  add_certificate(report, flattening.certificate);
+  add_iteration(report, flattening);
+  report["timings_s"] = timings(flattening.timings, context.extra_timings);
+  report["peak_memory_bytes"] = context.peak_memory_bytes;
+  report["threads"] = flattening.threads;
+  report["repairs"] = repairs(context.mendings);
+  report["warnings"] = context.warnings;
+  return written(report);
+}
+
+std::string diagnosis_json(const Diagnosis& diagnosis, const std::string& input,
+                           const std::vector<std::string>& warnings) {
+  const Diagnosis& d = diagnosis;
+  Json json;
+  json["version"] = 1;
+  json["planish"] = PLANISH_VERSION;
+  json["input"] = input;
+  json["vertices"] = d.vertices;
+  json["triangles"] = d.triangles;
+  json["unreferenced_vertices"] = d.unreferenced_vertices;
+  json["duplicate_positions"] = d.duplicate_positions;
+  json["components"] = d.components;
+  json["boundary_loops"] = d.boundary_loops;
+  json["loop_lengths"] = Json::array();
+  for (const double length : d.loop_lengths) json["loop_lengths"].push_back(number(length));
+  json["boundary_edges"] = d.boundary_edges;
+  json["euler"] = d.euler;
+  json["genus"] = d.genus == kNone ? Json(nullptr) : Json(d.genus);
+  json["area"] = number(d.area);
+  json["lower"] = point(d.lower);
+  json["upper"] = point(d.upper);
+  json["min_angle"] = number(d.min_angle);
+  json["max_angle"] = number(d.max_angle);
+  json["defects"] = Json::array();
+  for (const Defect& found : d.defects) json["defects"].push_back(defect(found));
+  json["usable"] = d.usable();
+  json["warnings"] = warnings;
+  return written(json);
+}
+
+std::string error_json(const Error& error) {
+  const Place& place = error.place;
+  const auto known = [](Offset value, bool is_known) { return is_known ? Json(value) : Json(nullptr); };
+  Json json;
+  json["code"] = name(error.code);
+  json["exit_code"] = exit_code(error.code);
+  json["message"] = error.what;
+  json["file"] = place.file.empty() ? Json(nullptr) : Json(place.file);
+  json["line"] = known(place.line, place.line > 0);
+  json["column"] = known(place.column, place.column > 0);
+  json["byte"] = known(place.byte, place.byte >= 0);
+  json["element"] = name(error.element);
+  json["ids"] = first_ids(error.ids);
+  json["count"] = error.count;
+  json["remedy"] = remedy(error.code);
+  return written({{"error", json}});
+}
+
+}  // namespace planish

@@ -1,0 +1,31 @@
+// The report (DESIGN 4.3), the answer of `info --json` and errors, as JSON text: docs/*.schema.json describe
+// the first two. Numbers read back bit for bit; infinite and undefined ones are null.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/model/flattening.hpp"
+#include "engine/prepare/repair.hpp"
+#include "engine/prepare/validate.hpp"
+
+namespace planish {
+
+/// Beside the result itself, what the program knows.
+struct ReportContext {
+  std::string input;                    ///< path of the mesh as given
+  std::string command;                  ///< command line
+  std::vector<Mending> mendings;        ///< of --repair
+  std::vector<std::string> warnings;    ///< readers' and writers'
+  std::vector<StepTime> extra_timings;  ///< read, write
+  Offset peak_memory_bytes = 0;
+};
+
+std::string report_json(const Flattening& flattening, const ReportContext& context);
+std::string diagnosis_json(const Diagnosis& diagnosis, const std::string& input,
+                           const std::vector<std::string>& warnings);
+
+/// {"error": {...}}; parts of the place that are not known are null.
+std::string error_json(const Error& error);
+
+}  // namespace planish

@@ -1,0 +1,56 @@
+// The local phase: closest rotation of each triangle, its energy, and the forces it puts on its corners.
+#pragma once
+
+#include <array>
+
+#include "kernels/intrinsic/lengths.hpp"
+
+namespace planish {
+
+/// One triangle against a rotation: energy A |J - R|^2 and half its gradient with respect to the corners.
+struct ProxyForces {
+  double energy = 0;
+  std::array<Vec2, 3> force;
+};
+
+/// Closest rotation in the weights' metric, as a unit complex number; 1 where every rotation is equally close.
+///   z: images of the corners;  cotangent [3] at the corners;  frame: reference frame.
+///   Ref: Liu et al. 2008, eq. 5; in complex numbers sum of cot dz conj(dx), normalised.
+inline Vec2 closest_rotation(const std::array<Vec2, 3>& z, const double* cotangent, const RestFrame& frame) {
+  const auto x = edge_vectors(frame);
+  Vec2 s{};
+  for (int k = 0; k < 3; ++k) {
+    const Vec2 dz = z[(k + 1) % 3] - z[k];
+    s += cotangent[(k + 2) % 3] * multiply(dz, conjugate(x[k]));
+  }
+  const double length = norm(s);
+  return length > 0 ? (1 / length) * s : Vec2{1, 0};
+}
+
+/// Energy 1/2 sum of cot |dz - R dx|^2 = A |J - R|_F^2 and the forces L z - b of the triangle.
+inline ProxyForces proxy_forces(const std::array<Vec2, 3>& z, const double* cotangent, const RestFrame& frame,
+                                Vec2 rotation) {
+  const auto x = edge_vectors(frame);
+  ProxyForces result;
+  for (int k = 0; k < 3; ++k) {
+    const Vec2 d = z[(k + 1) % 3] - z[k] - multiply(rotation, x[k]);
+    const double half_weight = 0.5 * cotangent[(k + 2) % 3];
+    result.energy += half_weight * dot(d, d);
+    result.force[(k + 1) % 3] += half_weight * d;
+    result.force[k] += -half_weight * d;
+  }
+  return result;
+}
+
+/// Local phase of triangles r: forces of every corner for its closest rotation; returns the energy of r.
+///   uv [V];  corner_vertex [3 T];  cotangent [3 T];  frame [T];  force [3 T] out, half the energy's gradient.
+double local_phase(Range r, In<Vec2> uv, In<Index> corner_vertex, In<double> cotangent, In<RestFrame> frame,
+                   Out<Vec2> force);
+
+/// The same for given rotations [T] at uv = 0: force is minus the right-hand side of the first global solve.
+void rotation_forces(Range r, In<Vec2> rotation, In<double> cotangent, In<RestFrame> frame, Out<Vec2> force);
+
+/// Sum of the corner forces at each vertex of r.   force [3 T];  vertex_force [V] out.
+void gather_forces(Range r, In<Index> star_begin, In<Index> star_corner, In<Vec2> force, Out<Vec2> vertex_force);
+
+}  // namespace planish

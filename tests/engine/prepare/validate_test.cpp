@@ -1,0 +1,153 @@
+#include "engine/prepare/validate.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "tests/support/shapes.hpp"
+
+using namespace planish;
+
+namespace {
+
+Diagnosis diagnosis_of(const Mesh& mesh) { return diagnose(Exec(2), mesh.surface()).value(); }
+
+const Defect* find(const Diagnosis& diagnosis, ErrorCode code) {
+  const auto found = std::find_if(diagnosis.defects.begin(), diagnosis.defects.end(),
+                                  [&](const Defect& d) { return d.code == code; });
+  return found == diagnosis.defects.end() ? nullptr : &*found;
+}
+
+/// The only kind of defect, with exactly these ids.
+void check_only(const Mesh& mesh, ErrorCode code, const std::vector<Index>& ids) {
+  const Diagnosis diagnosis = diagnosis_of(mesh);
+  REQUIRE(diagnosis.defects.size() == 1);
+  CHECK(diagnosis.defects[0].code == code);
+  CHECK(diagnosis.defects[0].ids == ids);
+}
+
+}  // namespace
+
+TEST_CASE("validate: a sound disk has no defect and its facts are right") {
+  const Diagnosis d = diagnosis_of(shapes::height_field(11, shapes::flat));
+  CHECK(d.usable());
+  CHECK(d.components == 1);
+  CHECK(d.boundary_loops == 1);
+  CHECK(d.boundary_edges == 40);
+  CHECK(d.euler == 1);
+  CHECK(d.genus == 0);
+  CHECK(d.area == doctest::Approx(4));
+  CHECK(d.upper.x - d.lower.x == doctest::Approx(2));
+}
+
+TEST_CASE("validate: unreferenced vertices are counted and are no defect") {
+  Mesh mesh = shapes::wavy_disk(100);
+  mesh.position.insert(mesh.position.begin(), Vec3{1e9, std::nan(""), 0});
+  for (Index& v : mesh.corner_vertex) ++v;
+  const Diagnosis d = diagnosis_of(mesh);
+  CHECK(d.usable());
+  CHECK(d.unreferenced_vertices == 1);
+}
+
+TEST_CASE("validate: no triangles") {
+  Mesh mesh;
+  mesh.position = {{0, 0, 0}};
+  CHECK(diagnosis_of(mesh).defects.at(0).code == ErrorCode::NoTriangles);
+}
+
+TEST_CASE("validate: an index out of range is an error that names the triangle") {
+  Mesh mesh = shapes::wavy_disk(100);
+  mesh.corner_vertex[3 * 17 + 1] = 100'000;
+  mesh.corner_vertex[3 * 40] = -1;
+  const auto d = diagnose(Exec(1), mesh.surface());
+  REQUIRE_FALSE(d);
+  CHECK(d.error().code == ErrorCode::IndexOutOfRange);
+  CHECK(d.error().ids == std::vector<Index>{17, 40});
+}
+
+TEST_CASE("validate: vertices that are not finite are named") {
+  Mesh mesh = shapes::wavy_disk(200);
+  mesh.position[30].y = std::nan("");
+  mesh.position[50].x = kInfinity;
+  const Diagnosis diagnosis = diagnosis_of(mesh);
+  const Defect* defect = find(diagnosis, ErrorCode::NonFinitePosition);
+  REQUIRE(defect);
+  CHECK(defect->ids == std::vector<Index>{30, 50});
+}
+
+TEST_CASE("validate: a triangle that names a vertex twice, one without area, a copy, a fin, a turned one") {
+  Mesh mesh = shapes::height_field(11, shapes::flat, 0);
+  const Index last = mesh.num_triangles();
+  SUBCASE("repeated vertex") {
+    mesh.corner_vertex.insert(mesh.corner_vertex.end(), {5, 5, 6});
+    const Diagnosis diagnosis = diagnosis_of(mesh);
+    const Defect* defect = find(diagnosis, ErrorCode::RepeatedVertex);
+    REQUIRE(defect);
+    CHECK(defect->ids == std::vector<Index>{last});
+  }
+  SUBCASE("no area") {
+    mesh.position[mesh.corner_vertex[0]] = mesh.position[mesh.corner_vertex[1]];
+    const Diagnosis diagnosis = diagnosis_of(mesh);
+    CHECK(find(diagnosis, ErrorCode::DegenerateTriangle));
+  }
+  SUBCASE("copy") {
+    mesh.corner_vertex.insert(mesh.corner_vertex.end(), mesh.corner_vertex.begin() + 30, mesh.corner_vertex.begin() + 33);
+    const Diagnosis diagnosis = diagnosis_of(mesh);
+    const Defect* defect = find(diagnosis, ErrorCode::DuplicateTriangle);
+    REQUIRE(defect);
+    CHECK(defect->ids == std::vector<Index>{last});
+  }
+  SUBCASE("fin") {
+    const Index a = mesh.corner_vertex[0], b = mesh.corner_vertex[2];  // a diagonal: interior
+    mesh.position.push_back({0, 0, 1});
+    mesh.corner_vertex.insert(mesh.corner_vertex.end(), {a, b, mesh.num_vertices() - 1});
+    check_only(mesh, ErrorCode::NonManifoldEdge, {std::min(a, b), std::max(a, b)});
+  }
+  SUBCASE("turned") {
+    std::swap(mesh.corner_vertex[3 * 111], mesh.corner_vertex[3 * 111 + 1]);  // not at the boundary
+    const Diagnosis diagnosis = diagnosis_of(mesh);
+    REQUIRE(diagnosis.defects.size() == 1);
+    CHECK(diagnosis.defects[0].code == ErrorCode::InconsistentOrientation);
+    CHECK(diagnosis.defects[0].count == 3);
+  }
+}
+
+TEST_CASE("validate: two sheets that touch in a vertex") {
+  Mesh mesh = shapes::joined(shapes::triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
+                             shapes::triangle({0, 0, 0}, {0, 0, 1}, {1, 1, 1}));
+  mesh.corner_vertex[3] = 0;
+  check_only(mesh, ErrorCode::NonManifoldVertex, {0});
+}
+
+TEST_CASE("validate: closed, with handles, one-sided") {
+  check_only(shapes::cube(1), ErrorCode::ClosedComponent, {0});
+  Mesh torus = shapes::torus(12);
+  CHECK(find(diagnosis_of(torus), ErrorCode::HasHandles));
+  torus.corner_vertex.resize(torus.corner_vertex.size() - 3);  // now it has a boundary, and still a handle
+  check_only(torus, ErrorCode::HasHandles, {0});
+  CHECK(find(diagnosis_of(shapes::moebius(20)), ErrorCode::NotOrientable));
+}
+
+TEST_CASE("validate: a thin triangle is refused only below the precision of its coordinates") {
+  const auto sliver = [](double offset, double height) {
+    return shapes::triangle({offset, 0, 0}, {offset + 1, 0, 0}, {offset + 0.5, height, 0});
+  };
+  CHECK(diagnosis_of(sliver(0, 1e-13)).usable());
+  CHECK_FALSE(diagnosis_of(sliver(0, 1e-16)).usable());
+  CHECK_FALSE(diagnosis_of(sliver(1e6, 1e-13)).usable());  // a million units away the coordinates end at 1e-10
+  CHECK(diagnosis_of(sliver(1e6, 1e-6)).usable());
+}
+
+TEST_CASE("validate: the refusal names the first ids, the number of all, the other kinds and the remedy") {
+  Mesh mesh = shapes::wavy_disk(400);
+  for (const Index t : {3, 4, 5, 6, 7, 8, 9}) mesh.corner_vertex[3 * t] = mesh.corner_vertex[3 * t + 1];
+  const std::string text = describe(refusal(diagnosis_of(mesh)));
+  CHECK(text.find("7 triangles name a vertex twice") == 0);
+  CHECK(text.find("(triangles 3, 4, 5, 6, 7 and 2 more); use --repair") != std::string::npos);
+  CHECK(text.find("[repeated-vertex]") != std::string::npos);
+}
+
+TEST_CASE("validate: duplicate positions are counted") {
+  const Mesh mesh = shapes::joined(shapes::wavy_disk(50), shapes::wavy_disk(50));
+  CHECK(diagnosis_of(mesh).duplicate_positions == mesh.num_vertices() / 2);
+}

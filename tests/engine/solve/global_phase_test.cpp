@@ -1,0 +1,121 @@
+#include "engine/solve/global_phase.hpp"
+
+#include <Eigen/SparseCholesky>
+#include <doctest/doctest.h>
+#include <numeric>
+
+#include "engine/prepare/prepare.hpp"
+#include "engine/solve/laplacian.hpp"
+#include "tests/support/shapes.hpp"
+
+using namespace planish;
+
+namespace {
+
+Eigen::SparseMatrix<double> to_eigen(const SymmetricMatrix& matrix) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index j = 0; j < matrix.size(); ++j) {
+    for (Index k = matrix.column_begin[j]; k < matrix.column_begin[j + 1]; ++k) {
+      entries.emplace_back(matrix.row[k], j, matrix.value[k]);
+      if (matrix.row[k] != j) entries.emplace_back(j, matrix.row[k], matrix.value[k]);
+    }
+  }
+  Eigen::SparseMatrix<double> result(matrix.size(), matrix.size());
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+SymmetricMatrix held_laplacian(const Mesh& mesh) {
+  const Topology topology = build_topology(Exec(1), mesh.surface());
+  std::vector<std::uint8_t> held(mesh.num_vertices(), 0);
+  held[0] = 1;
+  return vertex_laplacian(Exec(1), mesh.corner_vertex, topology, held,
+                          [](Index) { return 1.5; });
+}
+
+}  // namespace
+
+TEST_CASE("global phase: solves agree with Eigen's Cholesky to 1e-10, on trees of one and of many tasks") {
+  for (const Index triangles : {2, 50, 3000, 60000}) {
+    const SymmetricMatrix matrix = held_laplacian(shapes::wavy_disk(triangles));
+    const auto order = fill_reducing_order(matrix);
+    REQUIRE(order);
+    const auto global = GlobalPhase::factor(matrix, *order);
+    REQUIRE(global);
+    shapes::Random random(9);
+    std::vector<Vec2> rhs(matrix.size()), x(matrix.size());
+    for (Vec2& b : rhs) b = {random.uniform(), random.uniform() - 0.5};
+    global->solve(Exec(2), rhs, x);
+    Eigen::MatrixX2d b(matrix.size(), 2);
+    for (Index i = 0; i < matrix.size(); ++i) b.row(i) << rhs[i].x, rhs[i].y;
+    const Eigen::MatrixX2d expected = Eigen::SimplicialLLT<Eigen::SparseMatrix<double>>(to_eigen(matrix)).solve(b);
+    double worst = 0;
+    for (Index i = 0; i < matrix.size(); ++i) {
+      worst = std::max(worst, std::hypot(x[i].x - expected(i, 0), x[i].y - expected(i, 1)));
+    }
+    CHECK(worst < 1e-10 * expected.cwiseAbs().maxCoeff());
+  }
+}
+
+TEST_CASE("global phase: 1, 2 and 7 threads give the same bits") {
+  const SymmetricMatrix matrix = held_laplacian(shapes::wavy_disk(40000));
+  const auto order = fill_reducing_order(matrix);
+  std::vector<Vec2> rhs(matrix.size(), {1, -1});
+  const auto solve = [&](int threads) {
+    std::vector<Vec2> x(matrix.size());
+    GlobalPhase::factor(matrix, *order)->solve(Exec(threads), rhs, x);
+    return x;
+  };
+  const auto one = solve(1);
+  CHECK(solve(2) == one);
+  CHECK(solve(7) == one);
+}
+
+TEST_CASE("global phase: a matrix that is not positive definite is an error that names the row") {
+  const SymmetricMatrix matrix = held_laplacian(shapes::wavy_disk(100));
+  std::vector<Index> order(matrix.size());
+  std::iota(order.begin(), order.end(), 0);
+  for (const Index row : {7, 30}) {
+    SymmetricMatrix broken = matrix;
+    broken.value[broken.column_begin[row]] = -1000;
+    const auto global = GlobalPhase::factor(broken, order);
+    REQUIRE_FALSE(global);
+    CHECK(global.error().code == ErrorCode::FactorizationFailed);
+    CHECK(global.error().ids == std::vector<Index>{row});
+  }
+}
+
+TEST_CASE("laplacian: constants are in its null space where nothing is held") {
+  const Mesh mesh = shapes::frame(20, shapes::flat);
+  const Topology topology = build_topology(Exec(1), mesh.surface());
+  const std::vector<std::uint8_t> held(mesh.num_vertices(), 0);
+  const auto matrix = to_eigen(vertex_laplacian(Exec(2), mesh.corner_vertex, topology, held,
+                                                [&](Index c) { return 1.0 + std::min(c, topology.corner_twin[c]) % 5; }));
+  CHECK((matrix * Eigen::VectorXd::Ones(matrix.cols())).cwiseAbs().maxCoeff() < 1e-12);
+}
+
+TEST_CASE("laplacian: merging the vertices of a hole is the product with the merging matrix") {
+  const Mesh mesh = shapes::frame(12, shapes::flat);
+  const Topology topology = build_topology(Exec(1), mesh.surface());
+  const Index num_vertices = mesh.num_vertices();
+  std::vector<Index> node(num_vertices);
+  std::iota(node.begin(), node.end(), 0);
+  for (const Index c : slice(In<Index>(topology.loop_corner), topology.loops().group(0))) node[mesh.corner_vertex[c]] = kNone;
+  for (const Index c : slice(In<Index>(topology.loop_corner), topology.loops().group(1))) {
+    node[mesh.corner_vertex[c]] = num_vertices;
+  }
+  const auto weight = [](Index) { return 2.0; };
+  const auto merged = to_eigen(
+      quotient_laplacian(Exec(2), mesh.corner_vertex, topology, node, num_vertices + 1, weight));
+  const auto plain = to_eigen(vertex_laplacian(Exec(1), mesh.corner_vertex, topology,
+                                               std::vector<std::uint8_t>(num_vertices, 0), weight));
+  Eigen::SparseMatrix<double> merging(num_vertices, num_vertices + 1);
+  for (Index v = 0; v < num_vertices; ++v) {
+    if (node[v] != kNone) merging.insert(v, node[v]) = 1;
+  }
+  Eigen::MatrixXd difference = Eigen::MatrixXd(merged) - Eigen::MatrixXd(merging.transpose() * plain * merging);
+  for (Index v = 0; v < num_vertices; ++v) {
+    if (node[v] != v) difference(v, v) -= 1;  // unit rows of nodes that stand for nothing
+  }
+  CHECK(difference.cwiseAbs().maxCoeff() < 1e-12);
+}

@@ -1,0 +1,189 @@
+#include "io/report_json.hpp"
+
+#include <doctest/doctest.h>
+
+#include <bit>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <nlohmann/json.hpp>
+
+namespace planish {
+namespace {
+
+using nlohmann::json;
+
+Spread spread(double x) { return {x, x + 1, x + 0.5, x + 0.1, x + 0.4, x + 0.9}; }
+
+Flattening example() {
+  Flattening f;
+  f.mesh = {.vertices = 12,
+            .unreferenced_vertices = 1,
+            .triangles = 9,
+            .components = 2,
+            .boundary_loops = 3,
+            .euler = 1,
+            .outer = {0, 2},
+            .mollified_triangles = 4};
+  f.certificate.arap = 0.1 + 0.2;
+  f.certificate.symmetric_dirichlet = kInfinity;
+  f.certificate.sigma_max = spread(1.1);
+  f.certificate.sigma_min = spread(-0.3);
+  f.certificate.area_ratio = spread(0.7);
+  f.certificate.angle_distortion = spread(2.2);
+  f.certificate.flipped_triangles = 100;
+  for (Index t = 0; t < 100; ++t) f.certificate.flipped.push_back(3 * t);
+  f.certificate.overwound_vertices = 1;
+  f.certificate.overwound = {5};
+  f.certificate.overlapping_pairs = 7;
+  f.certificate.overlap_area_fraction = 1e-3 / 3;
+  f.history = {{0, 0.5, 0}, {1, 0.25, 1e-3}};
+  f.iterations = 1;
+  f.converged = true;
+  f.gradient = std::nan("");
+  f.holonomy_residual = 5e-324;
+  f.timings = {{"check", 0.125}, {"write", 0.25}};
+  f.threads = 2;
+  return f;
+}
+
+ReportContext context() {
+  return {.input = "part.obj",
+          .command = "planish flatten part.obj",
+          .mendings = {{"turned triangles", 47, {1, 2}}},
+          .warnings = {"a warning"},
+          .extra_timings = {{"read", 0.5}, {"write", 0.5}},
+          .peak_memory_bytes = 1LL << 40};
+}
+
+json report() { return json::parse(report_json(example(), context())); }
+
+std::set<std::string> keys(const json& object) {
+  std::set<std::string> names;
+  for (const auto& [key, value] : object.items()) names.insert(key);
+  return names;
+}
+
+/// The schema's properties, all of them required, are exactly the object's keys.
+void check_keys(const json& schema, const json& object) {
+  CHECK(keys(schema["properties"]) == keys(object));
+  CHECK(schema["required"].get<std::set<std::string>>() == keys(object));
+  CHECK(schema["additionalProperties"] == false);
+}
+
+json schema(const char* name) {
+  std::ifstream file(std::string(PLANISH_DOCS) + "/" + name);
+  REQUIRE(file);
+  return json::parse(file);
+}
+
+Diagnosis diagnosis() {
+  Diagnosis d;
+  d.vertices = 5;
+  d.triangles = 3;
+  d.genus = kNone;
+  d.loop_lengths = {3.5, 1.25};
+  d.upper = {1, 2, 3};
+  d.defects = {{ErrorCode::NonManifoldEdge, ElementKind::Edge, {3, 8}, 1}};
+  return d;
+}
+
+TEST_CASE("report_json: numbers read back bit for bit") {
+  const json r = report();
+  const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
+  CHECK(bits(r["energy"]["arap"]) == bits(0.1 + 0.2));
+  CHECK(bits(r["overlap_area_fraction"]) == bits(1e-3 / 3));
+  CHECK(bits(r["holonomy_residual"]) == bits(5e-324));
+  CHECK(bits(r["stretch"]["sigma_min"]["p99"]) == bits(-0.3 + 0.9));
+  CHECK(r["peak_memory_bytes"] == 1LL << 40);
+}
+
+TEST_CASE("report_json: infinite and undefined numbers are null") {
+  const json r = report();
+  CHECK(r["energy"]["symmetric_dirichlet"].is_null());
+  CHECK(r["gradient"].is_null());
+}
+
+TEST_CASE("report_json: the report has the fields of its schema and no others") {
+  const json s = schema("report.schema.json"), r = report();
+  check_keys(s, r);
+  for (const char* part : {"mesh", "energy", "stretch"}) check_keys(s["properties"][part], r[part]);
+  for (const char* quantity : {"sigma_max", "sigma_min", "area_ratio", "angle_distortion"}) {
+    check_keys(s["$defs"]["spread"], r["stretch"][quantity]);
+  }
+  for (const char* list : {"history", "repairs"}) check_keys(s["properties"][list]["items"], r[list][0]);
+}
+
+TEST_CASE("report_json: at most 64 ids are listed beside the full count") {
+  const json r = report();
+  CHECK(r["flipped_triangles"] == 100);
+  REQUIRE(r["flipped_ids"].size() == 64);
+  CHECK(r["flipped_ids"][63] == 189);
+  CHECK(r["overwound_ids"] == json::array({5}));
+}
+
+TEST_CASE("report_json: facts stand under their names") {
+  const json r = report();
+  CHECK(r["version"] == 1);
+  CHECK(r["planish"].get<std::string>().find('.') != std::string::npos);
+  CHECK(r["mesh"]["outer"] == json::array({0, 2}));
+  CHECK(r["mesh"]["mollified_triangles"] == 4);
+  CHECK(r["stretch"]["angle_distortion"]["mean"] == 2.2 + 0.5);
+  CHECK(r["history"][1] == json({{"iteration", 1}, {"energy", 0.25}, {"gradient", 1e-3}}));
+  CHECK(r["timings_s"] == json({{"check", 0.125}, {"write", 0.75}, {"read", 0.5}}));  // both writes
+  CHECK(r["repairs"][0] == json({{"what", "turned triangles"}, {"count", 47}, {"ids", {1, 2}}}));
+  CHECK(r["warnings"] == json::array({"a warning"}));
+}
+
+TEST_CASE("report_json: paths that are not UTF-8 still give valid JSON") {
+  ReportContext c = context();
+  c.input = "t\xfcr.obj";
+  CHECK(json::parse(report_json(example(), c))["input"] == "t\xEF\xBF\xBDr.obj");
+}
+
+TEST_CASE("diagnosis_json: the answer has the fields of its schema and no others") {
+  const json s = schema("diagnosis.schema.json"),
+             d = json::parse(diagnosis_json(diagnosis(), "x.ply", {"w"}));
+  check_keys(s, d);
+  check_keys(s["properties"]["defects"]["items"], d["defects"][0]);
+}
+
+TEST_CASE("diagnosis_json: defects carry code, elements and remedy") {
+  const json d = json::parse(diagnosis_json(diagnosis(), "x.ply", {"w"}));
+  CHECK(d["usable"] == false);
+  CHECK(d["genus"].is_null());
+  CHECK(d["upper"] == json::array({1.0, 2.0, 3.0}));
+  CHECK(d["loop_lengths"] == json::array({3.5, 1.25}));
+  CHECK(d["defects"][0]["code"] == "non-manifold-edge");
+  CHECK(d["defects"][0]["element"] == "edge");
+  CHECK(d["defects"][0]["ids"] == json::array({3, 8}));
+  CHECK(d["defects"][0]["remedy"] == remedy(ErrorCode::NonManifoldEdge));
+}
+
+TEST_CASE("error_json: an error keeps its place, elements and exit code; what is not known is null") {
+  const Error error{
+      .code = ErrorCode::BadSyntax, .what = "expected a number", .place = {"a.obj", 12, 7, kNone}};
+  const json e = json::parse(error_json(error))["error"];
+  CHECK(e["code"] == "bad-syntax");
+  CHECK(e["exit_code"] == 3);
+  CHECK(e["message"] == "expected a number");
+  CHECK(e["file"] == "a.obj");
+  CHECK(e["line"] == 12);
+  CHECK(e["column"] == 7);
+  CHECK(e["byte"].is_null());
+  CHECK(e["element"] == "none");
+  const Error elements{.code = ErrorCode::NonManifoldVertex,
+                       .what = "w",
+                       .element = ElementKind::Vertex,
+                       .ids = {4},
+                       .count = 90};
+  const json f = json::parse(error_json(elements))["error"];
+  CHECK(f["file"].is_null());
+  CHECK(f["line"].is_null());
+  CHECK(f["ids"] == json::array({4}));
+  CHECK(f["count"] == 90);
+  CHECK(f["remedy"] == remedy(ErrorCode::NonManifoldVertex));
+}
+
+}  // namespace
+}  // namespace planish
