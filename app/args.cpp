@@ -1,8 +1,8 @@
 #include "app/args.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <numeric>
+#include <CLI/CLI.hpp>
 
 namespace planish {
 namespace {
@@ -31,7 +31,8 @@ std::string nearest(const std::string& word, const std::vector<std::string>& kno
     return edit_distance(word, a) < edit_distance(word, b);
   };
   const auto best = std::min_element(known.begin(), known.end(), closer);
-  if (best == known.end() || edit_distance(word, *best) > std::max<std::size_t>(2, word.size() / 2)) return "";
+  if (best == known.end() || edit_distance(word, *best) > std::max<std::size_t>(2, word.size() / 2))
+    return "";
   return ", did you mean " + *best + "?";
 }
 
@@ -63,12 +64,14 @@ void add_flatten(CLI::App& app, FlattenArgs& args) {
   app.add_option("--report", args.report, "report, JSON");
   app.add_option("--picture", args.picture, "picture of the flat panel: .png or .svg");
   app.add_option("--flat", args.flat, "flat mesh (u, v, 0): .ply or .obj");
-  app.add_flag("--repair", args.repair, "mend orientation, duplicates, degenerate triangles, split vertices first");
+  app.add_flag("--repair", args.repair,
+               "mend orientation, duplicates, degenerate triangles, split vertices first");
   const std::map<std::string, Init> inits = {{"uniform", Init::Uniform},
                                              {"cotangent", Init::Cotangent},
                                              {"harmonic", Init::Harmonic},
                                              {"identity", Init::Identity}};
-  app.add_option("--init", args.options.init, "first rotations: uniform, cotangent, harmonic or identity [uniform]")
+  app.add_option("--init", args.options.init,
+                 "first rotations: uniform, cotangent, harmonic or identity [uniform]")
       ->transform(CLI::CheckedTransformer(inits).description(""));
   app.add_option("--tolerance", args.options.tolerance, "of the gradient, above 0")
       ->check(CLI::PositiveNumber)
@@ -109,7 +112,8 @@ Failure unknown_words(const CLI::App& app, const CLI::App* command) {
   }
   const auto words = context.remaining();
   const std::string word = words.empty() ? "" : words.front();
-  if (!command) return fail(ErrorCode::BadUsage, "unknown command " + word + nearest(word, known_names(app, false)));
+  if (!command)
+    return fail(ErrorCode::BadUsage, "unknown command " + word + nearest(word, known_names(app, false)));
   return fail(ErrorCode::BadUsage, "unexpected argument " + word);
 }
 
@@ -149,7 +153,8 @@ Result<Args> parse_args(int argc, const char* const* argv) {
   }
   for (const CLI::App* command : commands) chosen = command->parsed() ? command : chosen;
   if (app.remaining_size(true) > 0) return unknown_words(app, chosen);
-  if (!chosen) return fail(ErrorCode::BadUsage, "no command given: flatten, info or sample; see planish --help");
+  if (!chosen)
+    return fail(ErrorCode::BadUsage, "no command given: flatten, info or sample; see planish --help");
   if (chosen == commands[0]) {
     flatten.options.threads = args.common.threads;
     args.command = flatten;

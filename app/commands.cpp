@@ -50,7 +50,7 @@ Result<void> check_format(const std::string& path, std::initializer_list<const c
 struct Input {
   Mesh mesh;
   std::vector<Mending> mendings;
-  std::vector<Index> triangle_origin;        // empty unless mended
+  std::vector<Index> triangle_origin;         // empty unless mended
   std::vector<Index> vertex_origin_triangle;  // likewise
   std::vector<Vec3> vertex_barycentric;
 };
@@ -119,8 +119,12 @@ class FlattenCommand {
  private:
   Result<void> check_outputs() {
     return check_format(args_.output, {"ply", "obj"})
-        .and_then([&] { return check_format(args_.flat, {"ply", "obj"}); })
-        .and_then([&] { return check_format(args_.picture, {"png", "svg"}); });
+        .and_then([&] {
+          return check_format(args_.flat, {"ply", "obj"});
+        })
+        .and_then([&] {
+          return check_format(args_.picture, {"png", "svg"});
+        });
   }
 
   Result<void> read() {
@@ -141,17 +145,30 @@ class FlattenCommand {
     });
     if (!result) return fail(in_file(result.error(), args_.mesh));
     flattening_ = std::move(*result);
+    warn_of_unwelded();
     return {};
+  }
+
+  void warn_of_unwelded() {
+    const MeshFacts& mesh = flattening_.mesh;
+    if (mesh.duplicate_positions == 0) return;
+    warnings_.push_back(
+        fmt::format("{} components were flattened each on its own, but {} vertices lie at the position of "
+                    "another one; if they are one surface, use --repair to merge them",
+                    mesh.components, mesh.duplicate_positions));
   }
 
   /// The report goes last: it states the others' times.
   Result<void> write() {
     progress_.show({.phase = Phase::Write});
     const auto begin = Clock::now();
-    return write_output().and_then([&] { return write_flat(); }).and_then([&] { return draw(); }).and_then([&] {
-      times_.push_back({name(Phase::Write), seconds_since(begin)});
-      return write_report();
-    });
+    return write_output()
+        .and_then([&] { return write_flat(); })
+        .and_then([&] { return draw(); })
+        .and_then([&] {
+          times_.push_back({name(Phase::Write), seconds_since(begin)});
+          return write_report();
+        });
   }
 
   Result<void> write_output() {
@@ -196,20 +213,22 @@ class FlattenCommand {
     say_warnings(common_, warnings_);
     if (!common_.quiet) {
       say_mendings(input_.mendings);
-      fmt::print("{} triangles, {} iterations, arap {:.6e}, stretch {:.4f} to {:.4f}, flipped {}, overwound {}, "
-                 "overlapping pairs {}\n",
-                 flattening_.mesh.triangles, flattening_.iterations, c.arap, c.sigma_min.min, c.sigma_max.max,
-                 c.flipped_triangles, c.overwound_vertices, c.overlapping_pairs);
+      fmt::print(
+          "{} triangles, {} iterations, arap {:.6e}, stretch {:.4f} to {:.4f}, flipped {}, overwound {}, "
+          "overlapping pairs {}\n",
+          flattening_.mesh.triangles, flattening_.iterations, c.arap, c.sigma_min.min, c.sigma_max.max,
+          c.flipped_triangles, c.overwound_vertices, c.overlapping_pairs);
     }
     const bool flips = c.flipped_triangles > 0 || c.overwound_vertices > 0;
     if (!flattening_.converged) {
-      fmt::print(stderr, "planish: {}: the tolerance {:g} was not met, the gradient is {:.3g} after {} iterations; "
-                         "use --max-iterations\n",
+      fmt::print(stderr,
+                 "planish: {}: the tolerance {:g} was not met, the gradient is {:.3g} after {} iterations; "
+                 "use --max-iterations\n",
                  args_.mesh, args_.options.tolerance, flattening_.gradient, flattening_.iterations);
     }
     if (flips) {
-      fmt::print(stderr, "planish: {}: {} triangles are flipped and {} vertices overwound in the map\n", args_.mesh,
-                 c.flipped_triangles, c.overwound_vertices);
+      fmt::print(stderr, "planish: {}: {} triangles are flipped and {} vertices overwound in the map\n",
+                 args_.mesh, c.flipped_triangles, c.overwound_vertices);
     }
     return flips || !flattening_.converged ? 6 : 0;
   }
@@ -231,12 +250,14 @@ class FlattenCommand {
 
 void print_diagnosis(const Diagnosis& d, const std::string& path) {
   constexpr double kDegrees = 180 / kPi;
-  fmt::print("{}\n  {} vertices ({} unreferenced, {} at the position of an earlier one), {} triangles\n", path,
-             d.vertices, d.unreferenced_vertices, d.duplicate_positions, d.triangles);
-  fmt::print("  {} components, {} boundary loops, Euler characteristic {}", d.components, d.boundary_loops, d.euler);
+  fmt::print("{}\n  {} vertices ({} unreferenced, {} at the position of an earlier one), {} triangles\n",
+             path, d.vertices, d.unreferenced_vertices, d.duplicate_positions, d.triangles);
+  fmt::print("  {} components, {} boundary loops, Euler characteristic {}", d.components, d.boundary_loops,
+             d.euler);
   if (d.genus != kNone) fmt::print(", genus {}", d.genus);
-  fmt::print("\n  box {:g} x {:g} x {:g}, area {:g}, angles {:.4g} to {:.4g} degrees\n", d.upper.x - d.lower.x,
-             d.upper.y - d.lower.y, d.upper.z - d.lower.z, d.area, kDegrees * d.min_angle, kDegrees * d.max_angle);
+  fmt::print("\n  box {:g} x {:g} x {:g}, area {:g}, angles {:.4g} to {:.4g} degrees\n",
+             d.upper.x - d.lower.x, d.upper.y - d.lower.y, d.upper.z - d.lower.z, d.area,
+             kDegrees * d.min_angle, kDegrees * d.max_angle);
   if (d.usable()) {
     fmt::print("  can be flattened\n");
     return;
@@ -250,7 +271,9 @@ void print_diagnosis(const Diagnosis& d, const std::string& path) {
 
 }  // namespace
 
-Result<int> run_flatten(const CommonArgs& common, const FlattenArgs& args) { return FlattenCommand(common, args)(); }
+Result<int> run_flatten(const CommonArgs& common, const FlattenArgs& args) {
+  return FlattenCommand(common, args)();
+}
 
 Result<int> run_info(const CommonArgs& common, const InfoArgs& args) {
   const Exec exec(common.threads);
@@ -274,9 +297,11 @@ Result<int> run_sample(const CommonArgs& common, const SampleArgs& args) {
   const auto sample = make_sample(exec, args.options);
   if (!sample) return fail(sample.error());
   std::vector<std::string> warnings;
-  if (auto done = write_mesh(exec, args.output, {.mesh = &sample->mesh}, warnings); !done) return fail(done.error());
+  if (auto done = write_mesh(exec, args.output, {.mesh = &sample->mesh}, warnings); !done)
+    return fail(done.error());
   if (!args.features.empty()) {
-    if (auto done = write_file(args.features, sample_constraints_json(*sample)); !done) return fail(done.error());
+    if (auto done = write_file(args.features, sample_constraints_json(*sample)); !done)
+      return fail(done.error());
   }
   if (!common.quiet) {
     fmt::print("{}: {} vertices, {} triangles\n", args.output, sample->mesh.num_vertices(),

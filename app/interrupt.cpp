@@ -22,7 +22,8 @@ void watch_interrupts() {
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // inherited by every later thread: the watcher alone receives them
+  pthread_sigmask(SIG_BLOCK, &signals,
+                  nullptr);  // inherited by every later thread: the watcher alone receives them
   std::thread([signals] {
     int received = 0;
     sigwait(&signals, &received);

@@ -17,8 +17,8 @@ void ProgressLine::show(const Progress& progress) {
   } else {
     if (one_line && now - last_ < std::chrono::milliseconds(100)) return;
     last_ = now;
-    fmt::print(stderr, "{}{} iteration {}, energy {:.6e}, gradient {:.1e} ({:.1f} s){}", begin, name(progress.phase),
-               progress.iteration, progress.energy, progress.gradient, seconds, end);
+    fmt::print(stderr, "{}{} iteration {}, energy {:.6e}, gradient {:.1e} ({:.1f} s){}", begin,
+               name(progress.phase), progress.iteration, progress.energy, progress.gradient, seconds, end);
   }
   open_ = one_line;
   std::fflush(stderr);

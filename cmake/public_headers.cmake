@@ -17,4 +17,5 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   io/file.hpp
   io/mesh_files.hpp
   io/picture.hpp
-  io/report_json.hpp)
+  io/report_json.hpp
+  io/sample_features_json.hpp)

@@ -21,10 +21,10 @@ namespace {
 
 /// Rest geometry in the units of the ordered mesh.
 struct Geometry {
-  std::vector<RestFrame> frame;          // [T]
-  std::vector<double> cotangent;         // [3 T]
-  std::vector<double> angle_sum;         // [V]
-  std::vector<std::uint8_t> mollified;   // [T]
+  std::vector<RestFrame> frame;         // [T]
+  std::vector<double> cotangent;        // [3 T]
+  std::vector<double> angle_sum;        // [V]
+  std::vector<std::uint8_t> mollified;  // [T]
   double area = 0;
 };
 
@@ -61,7 +61,8 @@ VertexComponents vertex_components(const Topology& topology, Index num_vertices)
   VertexComponents result{std::vector<Index>(num_vertices), std::vector<std::uint8_t>(num_vertices, 0)};
   std::vector<std::uint8_t> seen(topology.num_components, 0);
   for (Index v = 0; v < num_vertices; ++v) {
-    const Index k = result.of[v] = topology.triangle_component[topology.star_corner[topology.star_begin[v]] / 3];
+    const Index k = result.of[v] =
+        topology.triangle_component[topology.star_corner[topology.star_begin[v]] / 3];
     if (!seen[k]) result.held[v] = seen[k] = 1;
   }
   return result;
@@ -109,6 +110,7 @@ class Run {
       const Diagnosis& diagnosis = prepared_.diagnosis;
       result_.mesh = {.vertices = diagnosis.vertices,
                       .unreferenced_vertices = diagnosis.unreferenced_vertices,
+                      .duplicate_positions = diagnosis.duplicate_positions,
                       .triangles = diagnosis.triangles,
                       .components = diagnosis.components,
                       .boundary_loops = diagnosis.boundary_loops,
@@ -139,13 +141,13 @@ class Run {
       exec_.both(
           [&] {
             rotations = first_rotations(exec_,
-                                    {.corner_vertex = mesh().corner_vertex,
-                                     .topology = &prepared_.topology,
-                                     .frame = geometry_.frame,
-                                     .cotangent = geometry_.cotangent,
-                                     .angle_sum = geometry_.angle_sum,
-                                     .order = order_},
-                                    options_.init);
+                                        {.corner_vertex = mesh().corner_vertex,
+                                         .topology = &prepared_.topology,
+                                         .frame = geometry_.frame,
+                                         .cotangent = geometry_.cotangent,
+                                         .angle_sum = geometry_.angle_sum,
+                                         .order = order_},
+                                        options_.init);
           },
           [&] { global = GlobalPhase::factor(laplacian_, order_); });
       if (!rotations) return fail(rotations.error());
@@ -185,9 +187,10 @@ class Run {
   Result<void> place() {
     return timed(Phase::Measure, [&]() -> Result<void> {
       for (Vec2& z : uv_) z = mesh().unit * z;
-      centre_and_align(mesh().corner_vertex, components_.of, prepared_.topology.num_components, mesh().vertex_origin,
-                       uv_);
-      if (prepared_.topology.num_components > 1) lay_out(components_.of, prepared_.topology.num_components, uv_);
+      centre_and_align(mesh().corner_vertex, components_.of, prepared_.topology.num_components,
+                       mesh().vertex_origin, uv_);
+      if (prepared_.topology.num_components > 1)
+        lay_out(components_.of, prepared_.topology.num_components, uv_);
       if (options_.normalize) fit_into_unit_square();
       measure();
       result_.uv.assign(mesh().num_input_vertices, {});
@@ -256,8 +259,8 @@ Result<Flattening> flatten(const Surface& surface, const FlattenOptions& options
   try {
     return Run(surface, options, monitor)();
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::OutOfMemory, "not enough memory to flatten " + std::to_string(surface.num_triangles()) +
-                                            " triangles");
+    return fail(ErrorCode::OutOfMemory,
+                "not enough memory to flatten " + std::to_string(surface.num_triangles()) + " triangles");
   }
 }
 

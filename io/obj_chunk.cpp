@@ -132,6 +132,7 @@ class ObjParser {
 
   /// corner_uv stays empty in files without uv; corners passed over get kNone.
   void append_uv(Offset named) {
+    if (chunk_.corner_uv.value.empty()) chunk_.corner_uv.value.reserve(chunk_.corner_vertex.value.capacity());
     chunk_.corner_uv.value.resize(chunk_.corner_vertex.value.size() - 1, kNone);
     append(chunk_.corner_uv, named, chunk_.uv.size());
     ++chunk_.corners_with_uv;

@@ -14,7 +14,8 @@ namespace planish {
 struct Exec::Arena {
   explicit Arena(int threads) {
     if (threads <= 0) return;
-    // Asking for more threads than the process allows (a determinism test, say) lifts the limit for our lifetime.
+    // Asking for more threads than the process allows (a determinism test, say) lifts the limit for our
+    // lifetime.
     const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
     if (static_cast<std::size_t>(threads) > allowed) {
       limit.emplace(tbb::global_control::max_allowed_parallelism, threads);

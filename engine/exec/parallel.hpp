@@ -1,5 +1,5 @@
-// Parallel loops over fixed blocks. The block size is part of the algorithm and never depends on the number of
-// threads, so results are the same bits on 1 or 64 of them. TBB stays behind this header.
+// Parallel loops over fixed blocks. The block size is part of the algorithm and never depends on the number
+// of threads, so results are the same bits on 1 or 64 of them. TBB stays behind this header.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,8 @@ namespace planish {
 /// Where loops run: the caller's own TBB arena, or one with a given number of threads.
 class Exec {
  public:
-  /// threads = 0: the arena of the calling thread as it is. A positive number: an arena of its own with so many.
+  /// threads = 0: the arena of the calling thread as it is. A positive number: an arena of its own with so
+  /// many.
   explicit Exec(int threads = 0);
   ~Exec();
   Exec(const Exec&) = delete;
@@ -25,7 +26,8 @@ class Exec {
 
   int threads() const;
 
-  /// Calls body(block, Range) for every block of `block` consecutive indices of [0, n); concurrently, in any order.
+  /// Calls body(block, Range) for every block of `block` consecutive indices of [0, n); concurrently, in any
+  /// order.
   template <class Body>
   void for_blocks(Index n, Index block, Body&& body) const {
     run(num_blocks(n, block), [&](Index k) { body(k, block_range(n, block, k)); });

@@ -17,7 +17,8 @@ constexpr std::array kCodes = {
     CodeEntry{ErrorCode::BadUsage, "usage", 2, ""},
     CodeEntry{ErrorCode::NotBuilt, "not-built", 2, "build planish with this part"},
     CodeEntry{ErrorCode::CannotOpen, "cannot-open", 3, ""},
-    CodeEntry{ErrorCode::UnknownFormat, "unknown-format", 3, "use .obj, .ply, .stl or .off, optionally with .gz"},
+    CodeEntry{ErrorCode::UnknownFormat, "unknown-format", 3,
+              "use .obj, .ply, .stl or .off, optionally with .gz"},
     CodeEntry{ErrorCode::BadSyntax, "bad-syntax", 3, ""},
     CodeEntry{ErrorCode::Truncated, "truncated", 3, "write the file again"},
     CodeEntry{ErrorCode::IndexOutOfRange, "index-out-of-range", 3, ""},
@@ -26,9 +27,11 @@ constexpr std::array kCodes = {
     CodeEntry{ErrorCode::RepeatedVertex, "repeated-vertex", 4, "use --repair to drop them"},
     CodeEntry{ErrorCode::DuplicateTriangle, "duplicate-triangle", 4, "use --repair to drop the copies"},
     CodeEntry{ErrorCode::DegenerateTriangle, "degenerate-triangle", 4, "use --repair to remove them"},
-    CodeEntry{ErrorCode::NonManifoldEdge, "non-manifold-edge", 4, "remove the extra sheets, or split the part"},
+    CodeEntry{ErrorCode::NonManifoldEdge, "non-manifold-edge", 4,
+              "remove the extra sheets, or split the part"},
     CodeEntry{ErrorCode::NonManifoldVertex, "non-manifold-vertex", 4, "use --repair to split them"},
-    CodeEntry{ErrorCode::InconsistentOrientation, "inconsistent-orientation", 4, "use --repair to turn triangles"},
+    CodeEntry{ErrorCode::InconsistentOrientation, "inconsistent-orientation", 4,
+              "use --repair to turn triangles"},
     CodeEntry{ErrorCode::NotOrientable, "not-orientable", 4, "cut the surface open"},
     CodeEntry{ErrorCode::ClosedComponent, "closed-component", 4, "cut it open so that it has a boundary"},
     CodeEntry{ErrorCode::HasHandles, "has-handles", 4, "cut it along a loop through each handle"},
@@ -108,6 +111,7 @@ const char* name(ElementKind element) {
 
 std::string describe(const Error& error) {
   std::string text = position(error.place) + error.what + listed_elements(error);
+  if (!error.also.empty()) text += "; also " + error.also;
   const std::string advice = remedy(error.code);
   if (!advice.empty()) text += "; " + advice;
   return text + " [" + name(error.code) + "]";

@@ -1,40 +1,41 @@
-// Failure as a value: a code with one meaning, the offending elements, the place, and words made in one function.
+// Failure as a value: a code with one meaning, the offending elements, the place, and words made in one
+// function.
 #pragma once
 
 #include <string>
-#include <tl/expected.hpp>
 #include <vector>
+#include <tl/expected.hpp>
 
 #include "kernels/base/types.hpp"
 
 namespace planish {
 
 enum class ErrorCode {
-  InternalDefect,        ///< a defect of planish itself
-  BadUsage,              ///< an argument or option that has no meaning
-  NotBuilt,              ///< a part that this build leaves out
-  CannotOpen,            ///< the file cannot be opened or read
-  UnknownFormat,         ///< neither the name nor the first bytes tell a format
-  BadSyntax,             ///< the file breaks its format; place and expectation say where
-  Truncated,             ///< the file ends too early
-  IndexOutOfRange,       ///< a face names a vertex that does not exist
-  NoTriangles,           ///< nothing to flatten
-  NonFinitePosition,     ///< a coordinate is not a number or infinite
-  RepeatedVertex,        ///< a triangle names one vertex twice
-  DuplicateTriangle,     ///< a triangle is listed twice
-  DegenerateTriangle,    ///< zero area, or a needle below the precision of the coordinates
-  NonManifoldEdge,       ///< an edge with more than two triangles
-  NonManifoldVertex,     ///< triangles that meet in a vertex without forming one fan
-  InconsistentOrientation, ///< neighbours that run along their common edge in the same direction
-  NotOrientable,         ///< no choice of orientation agrees (a Moebius strip)
-  ClosedComponent,       ///< a component without boundary
-  HasHandles,            ///< a component of genus above 0
-  TooLarge,              ///< more than 2^31 half-edges
-  FactorizationFailed,   ///< the matrix is not positive definite
-  ResidualTooLarge,      ///< rotations do not meet their rows
-  OutOfMemory,           ///< memory could not be had
-  CannotWrite,           ///< an output file could not be written
-  Cancelled,             ///< stopped by the caller
+  InternalDefect,           ///< a defect of planish itself
+  BadUsage,                 ///< an argument or option that has no meaning
+  NotBuilt,                 ///< a part that this build leaves out
+  CannotOpen,               ///< the file cannot be opened or read
+  UnknownFormat,            ///< neither the name nor the first bytes tell a format
+  BadSyntax,                ///< the file breaks its format; place and expectation say where
+  Truncated,                ///< the file ends too early
+  IndexOutOfRange,          ///< a face names a vertex that does not exist
+  NoTriangles,              ///< nothing to flatten
+  NonFinitePosition,        ///< a coordinate is not a number or infinite
+  RepeatedVertex,           ///< a triangle names one vertex twice
+  DuplicateTriangle,        ///< a triangle is listed twice
+  DegenerateTriangle,       ///< zero area, or a needle below the precision of the coordinates
+  NonManifoldEdge,          ///< an edge with more than two triangles
+  NonManifoldVertex,        ///< triangles that meet in a vertex without forming one fan
+  InconsistentOrientation,  ///< neighbours that run along their common edge in the same direction
+  NotOrientable,            ///< no choice of orientation agrees (a Moebius strip)
+  ClosedComponent,          ///< a component without boundary
+  HasHandles,               ///< a component of genus above 0
+  TooLarge,                 ///< more than 2^31 half-edges
+  FactorizationFailed,      ///< the matrix is not positive definite
+  ResidualTooLarge,         ///< rotations do not meet their rows
+  OutOfMemory,              ///< memory could not be had
+  CannotWrite,              ///< an output file could not be written
+  Cancelled,                ///< stopped by the caller
 };
 
 /// What the ids of an error count.
@@ -48,16 +49,18 @@ struct Place {
   Offset byte = kNone;
 };
 
-/// At most kMaxListedIds ids are kept (edges: pairs of vertices, both counted); `count` is the number of all elements.
+/// At most kMaxListedIds ids are kept (edges: pairs of vertices, both counted); `count` is the number of all
+/// elements.
 inline constexpr std::size_t kMaxListedIds = 64;
 
 struct Error {
   ErrorCode code = ErrorCode::InternalDefect;
-  std::string what = {};                         ///< the sentence's core: what was expected and found
-  Place place = {};                              ///< file and position, where known
+  std::string what = {};  ///< the sentence's core: what was expected and found
+  Place place = {};       ///< file and position, where known
   ElementKind element = ElementKind::None;
-  std::vector<Index> ids = {};                   ///< 0-based, as in the input file
+  std::vector<Index> ids = {};  ///< 0-based, as in the input file
   Offset count = 0;
+  std::string also = {};  ///< further faults, said after the ids
 };
 
 template <class T>
@@ -65,7 +68,9 @@ using Result = tl::expected<T, Error>;
 using Failure = tl::unexpected<Error>;
 
 inline Failure fail(Error error) { return Failure(std::move(error)); }
-inline Failure fail(ErrorCode code, std::string what) { return Failure(Error{.code = code, .what = std::move(what)}); }
+inline Failure fail(ErrorCode code, std::string what) {
+  return Failure(Error{.code = code, .what = std::move(what)});
+}
 
 /// Stable lower-case name, e.g. "non-manifold-edge".
 const char* name(ErrorCode code);
@@ -74,7 +79,8 @@ const char* name(ElementKind element);
 /// What the user can do about it, or "".
 const char* remedy(ErrorCode code);
 
-/// Exit code of the program (DESIGN 4.1): 1 defect, 2 usage, 3 cannot read, 4 mesh, 7 cannot write, 130 stopped.
+/// Exit code of the program (DESIGN 4.1): 1 defect, 2 usage, 3 cannot read, 4 mesh, 7 cannot write, 130
+/// stopped.
 int exit_code(ErrorCode code);
 
 /// One line: place, what, first ids and their number, remedy, [code].

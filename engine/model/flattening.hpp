@@ -16,14 +16,16 @@ struct Spread {
 
 /// Facts about the mesh (DESIGN 4.3 "mesh").
 struct MeshFacts {
-  Index vertices = 0;              ///< all, unreferenced ones too
+  Index vertices = 0;  ///< all, unreferenced ones too
   Index unreferenced_vertices = 0;
+  Index duplicate_positions =
+      0;  ///< used vertices at the position of an earlier one; 0 where there is one component
   Index triangles = 0;
   Index components = 0;
   Index boundary_loops = 0;
-  Index euler = 0;                 ///< V - E + F of the referenced part
-  std::vector<Index> outer;        ///< per component, the number of its outer loop (loops by decreasing length)
-  Index mollified_triangles = 0;   ///< needles whose weights were floored (see kernels/intrinsic/cotangents)
+  Index euler = 0;           ///< V - E + F of the referenced part
+  std::vector<Index> outer;  ///< per component, the number of its outer loop (loops by decreasing length)
+  Index mollified_triangles = 0;  ///< needles whose weights were floored (see kernels/intrinsic/cotangents)
 };
 
 /// Facts about a map, measured on its coordinates (DESIGN 3.8); energies and means per rest area.
@@ -31,12 +33,12 @@ struct Certificate {
   double arap = 0;
   double symmetric_dirichlet = 0;  ///< infinite with a flip
   Spread sigma_max, sigma_min, area_ratio, angle_distortion;
-  Offset flipped_triangles = 0;    ///< det J <= 0, exact predicate
-  Offset overwound_vertices = 0;   ///< interior vertices whose image angles sum to more than 2 pi
-  Offset overlapping_pairs = 0;    ///< triangles without a common vertex whose images share interior points
+  Offset flipped_triangles = 0;      ///< det J <= 0, exact predicate
+  Offset overwound_vertices = 0;     ///< interior vertices whose image angles sum to more than 2 pi
+  Offset overlapping_pairs = 0;      ///< triangles without a common vertex whose images share interior points
   double overlap_area_fraction = 0;  ///< sum of the pairs' common areas over the area of the map
-  std::vector<Index> flipped;      ///< their ids, ascending
-  std::vector<Index> overwound;    ///< vertex ids, ascending
+  std::vector<Index> flipped;        ///< their ids, ascending
+  std::vector<Index> overwound;      ///< vertex ids, ascending
 };
 
 /// One global step; iteration 0 is the first global solve.
@@ -58,8 +60,9 @@ struct Flattening {
   std::vector<Iterate> history;
   int iterations = 0;
   bool converged = false;
-  double gradient = 0;           ///< of the last iterate
-  double holonomy_residual = 0;  ///< largest residual of the rotation rows, radians (0 where none were solved)
+  double gradient = 0;  ///< of the last iterate
+  double holonomy_residual =
+      0;  ///< largest residual of the rotation rows, radians (0 where none were solved)
   std::vector<StepTime> timings;
   int threads = 1;
 };

@@ -33,7 +33,8 @@ struct Attribute {
   std::vector<std::byte> values;  ///< one scalar an element
 };
 
-/// A statement of an OBJ file (group, object, material, smoothing) in force from triangle `triangle` on; verbatim.
+/// A statement of an OBJ file (group, object, material, smoothing) in force from triangle `triangle` on;
+/// verbatim.
 struct Statement {
   Index triangle = 0;
   std::string text;

@@ -8,7 +8,8 @@ namespace planish {
 enum class Phase { Read, Check, Order, Start, LocalGlobal, Measure, Write };
 const char* name(Phase phase);
 
-/// Facts at the end of an iteration or the start of a phase. Energies per rest area; gradient as in DESIGN 3.5.
+/// Facts at the end of an iteration or the start of a phase. Energies per rest area; gradient as in
+/// DESIGN 3.5.
 struct Progress {
   Phase phase = Phase::Read;
   int iteration = 0;

@@ -17,7 +17,8 @@ RotationRows rotation_rows(const Topology& topology, In<Index> corner_vertex, In
     rows.target[v] = 2 * kPi - angle_sum[v];
   }
   rows.num_nodes = num_vertices;
-  for (Index l = 0; l < topology.num_loops(); ++l) {  // by decreasing length: the first of a component is its outer one
+  for (Index l = 0; l < topology.num_loops();
+       ++l) {  // by decreasing length: the first of a component is its outer one
     const auto corners = slice(In<Index>(topology.loop_corner), topology.loops().group(l));
     Index& outer = rows.outer_loop[topology.triangle_component[corners.front() / 3]];
     const bool is_outer = outer == kNone;
@@ -51,8 +52,8 @@ double largest_residual(const SymmetricMatrix& laplacian, In<double> potential, 
   return largest;
 }
 
-std::vector<double> integrate_connection(const Topology& topology, In<Index> corner_vertex, In<RestFrame> frame,
-                                         const RotationRows& rows, In<double> potential,
+std::vector<double> integrate_connection(const Topology& topology, In<Index> corner_vertex,
+                                         In<RestFrame> frame, const RotationRows& rows, In<double> potential,
                                          const std::function<double(Index c)>& dual_weight) {
   const auto node_potential = [&](Index v) {
     const Index node = rows.vertex_node[v];

@@ -59,7 +59,7 @@ void find_degenerate(const OrderedMesh& mesh, Diagnosis& diagnosis) {
     }
     const Vec3 a = mesh.position[v[0]], b = mesh.position[v[1]], c = mesh.position[v[2]];
     const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
-    // Not finite: named as such, by vertex.
+    if (!std::isfinite(longest)) continue;  // named by vertex
     if (norm(cross(b - a, c - a)) <= least_altitude * longest) degenerate.add(mesh.triangle_origin[t]);
   }
   repeated.report(diagnosis);
@@ -69,13 +69,15 @@ void find_degenerate(const OrderedMesh& mesh, Diagnosis& diagnosis) {
 /// Copies of a triangle in any rotation or orientation; looked for at the star of its smallest vertex.
 void find_duplicates(const OrderedMesh& mesh, const Topology& topology, Diagnosis& diagnosis) {
   const auto sorted_vertices = [&](Index t) {
-    std::array<Index, 3> v = {mesh.corner_vertex[3 * t], mesh.corner_vertex[3 * t + 1], mesh.corner_vertex[3 * t + 2]};
+    std::array<Index, 3> v = {mesh.corner_vertex[3 * t], mesh.corner_vertex[3 * t + 1],
+                              mesh.corner_vertex[3 * t + 2]};
     std::sort(v.begin(), v.end());
     return v;
   };
   Finding finding(ErrorCode::DuplicateTriangle, ElementKind::Triangle);
   for (Index v = 0; v < mesh.num_vertices(); ++v) {
-    std::vector<std::pair<std::array<Index, 3>, Index>> triangles;  // stars are short, or there is a fan of many
+    std::vector<std::pair<std::array<Index, 3>, Index>>
+        triangles;  // stars are short, or there is a fan of many
     for (const Index c : slice(In<Index>(topology.star_corner), topology.stars().group(v))) {
       if (topology.edge_kind[c] != EdgeKind::Interior && topology.edge_kind[c] != EdgeKind::Boundary) {
         triangles.emplace_back(sorted_vertices(c / 3), mesh.triangle_origin[c / 3]);
@@ -111,7 +113,8 @@ void find_split_stars(const OrderedMesh& mesh, const Topology& topology, Diagnos
   for (Index v = 0; v < mesh.num_vertices(); ++v) {
     if (topology.single_fan[v]) continue;
     const auto star = slice(In<Index>(topology.star_corner), topology.stars().group(v));
-    if (std::all_of(star.begin(), star.end(), [&](Index c) { return is_sound(c) && is_sound(previous_corner(c)); })) {
+    if (std::all_of(star.begin(), star.end(),
+                    [&](Index c) { return is_sound(c) && is_sound(previous_corner(c)); })) {
       finding.add(mesh.vertex_origin[v]);
     }
   }
@@ -160,7 +163,8 @@ void find_closed_or_with_handles(const OrderedMesh& mesh, const Topology& topolo
     Component& component = components[topology.triangle_component[t]];
     const Index origin = mesh.triangle_origin[t];
     ++component.triangles;
-    if (component.first_triangle == kNone || origin < component.first_triangle) component.first_triangle = origin;
+    if (component.first_triangle == kNone || origin < component.first_triangle)
+      component.first_triangle = origin;
   }
   for (Index v = 0; v < mesh.num_vertices(); ++v) {
     ++components[topology.triangle_component[topology.star_corner[topology.star_begin[v]] / 3]].vertices;
@@ -206,7 +210,8 @@ Index count_edges(const OrderedMesh& mesh, const Topology& topology) {
 
 void find_defects(const Exec&, const OrderedMesh& mesh, const Topology& topology, Diagnosis& diagnosis) {
   if (mesh.num_triangles() == 0) {
-    diagnosis.defects.push_back({.code = ErrorCode::NoTriangles, .element = ElementKind::None, .ids = {}, .count = 1});
+    diagnosis.defects.push_back(
+        {.code = ErrorCode::NoTriangles, .element = ElementKind::None, .ids = {}, .count = 1});
     return;
   }
   diagnosis.boundary_edges = static_cast<Index>(

@@ -54,7 +54,8 @@ std::vector<KeyedIndex> vertices_along_curve(const Exec& exec, const Surface& su
 }
 
 /// Triangles by the smallest rank of their vertices.
-std::vector<KeyedIndex> triangles_by_rank(const Exec& exec, const Surface& surface, In<Index> rank, Index num_ranks) {
+std::vector<KeyedIndex> triangles_by_rank(const Exec& exec, const Surface& surface, In<Index> rank,
+                                          Index num_ranks) {
   std::vector<KeyedIndex> items(surface.num_triangles());
   exec.for_blocks(surface.num_triangles(), kBlock, [&](Index, Range r) {
     for (Index t = r.begin; t < r.end; ++t) {
@@ -98,7 +99,8 @@ OrderedMesh order_mesh(const Exec& exec, const Surface& surface) {
   exec.for_blocks(surface.num_triangles(), kBlock, [&](Index, Range r) {
     for (Index t = r.begin; t < r.end; ++t) {
       const Index origin = mesh.triangle_origin[t] = triangles[t].index;
-      for (Index i = 0; i < 3; ++i) mesh.corner_vertex[3 * t + i] = rank[surface.corner_vertex[3 * origin + i]];
+      for (Index i = 0; i < 3; ++i)
+        mesh.corner_vertex[3 * t + i] = rank[surface.corner_vertex[3 * origin + i]];
     }
   });
   return mesh;

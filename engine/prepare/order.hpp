@@ -9,13 +9,13 @@
 namespace planish {
 
 struct OrderedMesh {
-  std::vector<Vec3> position;          ///< [V] (input - centre) / unit: inside a cube of edge 1 around the origin
+  std::vector<Vec3> position;  ///< [V] (input - centre) / unit: inside a cube of edge 1 around the origin
   std::vector<Index> corner_vertex;    ///< [3 T]
   std::vector<Index> vertex_origin;    ///< [V] vertex of the input; ascending along a Hilbert curve
   std::vector<Index> triangle_origin;  ///< [T] triangle of the input; the corners keep their places in it
   Index num_input_vertices = 0;
-  Vec3 centre;                         ///< of the input's bounding box
-  double unit = 1;                     ///< largest edge of the box, mesh units, > 0
+  Vec3 centre;      ///< of the input's bounding box
+  double unit = 1;  ///< largest edge of the box, mesh units, > 0
 
   Surface surface() const { return {position, corner_vertex}; }
   Index num_vertices() const { return static_cast<Index>(position.size()); }

@@ -114,7 +114,8 @@ Result<PreparedMesh> prepare(const Exec& exec, const Surface& surface) {
   diagnosis.components = topology.num_components;
   diagnosis.boundary_loops = topology.num_loops();
   for (const double length : topology.loop_length) diagnosis.loop_lengths.push_back(length * mesh.unit);
-  if (topology.num_components > 1) diagnosis.duplicate_positions = count_duplicate_positions(exec, mesh.position);
+  if (topology.num_components > 1)
+    diagnosis.duplicate_positions = count_duplicate_positions(exec, mesh.position);
   bound(mesh, diagnosis);
   measure(exec, mesh, diagnosis);
   find_defects(exec, mesh, topology, diagnosis);

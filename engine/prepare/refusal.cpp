@@ -9,13 +9,16 @@ namespace {
 std::string sentence(const Defect& defect) {
   const std::string n = std::to_string(defect.count);
   const bool one = defect.count == 1;
-  const auto with = [&](const char* singular, const char* plural) { return n + " " + (one ? singular : plural); };
+  const auto with = [&](const char* singular, const char* plural) {
+    return n + " " + (one ? singular : plural);
+  };
   switch (defect.code) {
     case ErrorCode::NoTriangles: return "the mesh has no triangles";
     case ErrorCode::NonFinitePosition:
       return with("vertex has a coordinate that is not a finite number",
                   "vertices have a coordinate that is not a finite number");
-    case ErrorCode::RepeatedVertex: return with("triangle names a vertex twice", "triangles name a vertex twice");
+    case ErrorCode::RepeatedVertex:
+      return with("triangle names a vertex twice", "triangles name a vertex twice");
     case ErrorCode::DuplicateTriangle:
       return with("triangle is a copy of an earlier one", "triangles are copies of earlier ones");
     case ErrorCode::DegenerateTriangle:
@@ -24,18 +27,17 @@ std::string sentence(const Defect& defect) {
     case ErrorCode::NonManifoldEdge:
       return with("edge has more than two triangles", "edges have more than two triangles");
     case ErrorCode::NonManifoldVertex:
-      return with("vertex joins triangles that form no single fan", "vertices join triangles that form no single fan");
+      return with("vertex joins triangles that form no single fan",
+                  "vertices join triangles that form no single fan");
     case ErrorCode::InconsistentOrientation:
-      return with("edge has its two triangles facing opposite sides", "edges have their two triangles facing opposite sides");
+      return with("edge has its two triangles facing opposite sides",
+                  "edges have their two triangles facing opposite sides");
     case ErrorCode::NotOrientable:
-      return with("component cannot be oriented (a one-sided surface); its first triangle follows",
-                  "components cannot be oriented (one-sided surfaces); their first triangles follow");
-    case ErrorCode::ClosedComponent:
-      return with("component has no boundary; its first triangle follows",
-                  "components have no boundary; their first triangles follow");
+      return with("component that cannot be oriented (one-sided)",
+                  "components that cannot be oriented (one-sided)");
+    case ErrorCode::ClosedComponent: return with("component without boundary", "components without boundary");
     case ErrorCode::HasHandles:
-      return with("component has handles (genus above 0); its first triangle follows",
-                  "components have handles (genus above 0); their first triangles follow");
+      return with("component with handles (genus above 0)", "components with handles (genus above 0)");
     default: return n + " " + name(defect.code);
   }
 }
@@ -44,10 +46,14 @@ std::string sentence(const Defect& defect) {
 
 Error refusal(const Diagnosis& diagnosis) {
   const Defect& first = diagnosis.defects.front();
-  Error error{.code = first.code, .what = sentence(first), .place = {}, .element = first.element, .ids = first.ids,
+  Error error{.code = first.code,
+              .what = sentence(first),
+              .place = {},
+              .element = first.element,
+              .ids = first.ids,
               .count = first.count};
   for (std::size_t i = 1; i < diagnosis.defects.size(); ++i) {
-    error.what += (i == 1 ? "; also " : ", ") + sentence(diagnosis.defects[i]);
+    error.also += (i == 1 ? "" : ", ") + sentence(diagnosis.defects[i]);
   }
   return error;
 }

@@ -23,10 +23,13 @@ struct Repair {
   std::vector<Mending> mendings;       ///< empty: nothing had to be done
 };
 
-/// Merges vertices at equal positions (merged ones stay, unreferenced), drops triangles that name a vertex twice and
-/// copies of triangles, removes degenerate triangles, turns triangles to one orientation, splits non-manifold vertices.
-/// Attributes, uv sets and statements follow their elements. Defects that remain are for diagnose() to name.
-/// Fails: NotBuilt without PLANISH_WITH_CGAL_GPL.  Cost: serial, O(T log T).
+/// Merges vertices at equal positions where open edges then meet (merged ones stay, unreferenced; left apart
+/// where a third triangle would join an edge), drops triangles that name a vertex twice, copies of triangles
+/// and flaps without thickness, turns the smaller part of every sheet that disagrees with itself, splits
+/// non-manifold vertices, removes triangles without area. Attributes, uv sets and statements follow their
+/// elements. What remains (edges of three triangles, Moebius strips, coordinates that are no numbers) is for
+/// diagnose() to name. Fails: NotBuilt without PLANISH_WITH_CGAL_GPL; IndexOutOfRange.  Cost: serial, O(T log
+/// T).
 Result<Repair> repair(const Mesh& mesh);
 
 }  // namespace planish

@@ -13,7 +13,8 @@ void build_stars(const Exec& exec, const Surface& surface, Topology& topology) {
   const auto num_corners = static_cast<Index>(surface.corner_vertex.size());
   std::vector<KeyedIndex> items(num_corners);
   exec.for_blocks(num_corners, kBlock, [&](Index, Range r) {
-    for (Index c = r.begin; c < r.end; ++c) items[c] = {static_cast<std::uint64_t>(surface.corner_vertex[c]), c};
+    for (Index c = r.begin; c < r.end; ++c)
+      items[c] = {static_cast<std::uint64_t>(surface.corner_vertex[c]), c};
   });
   sort_by_key(exec, items, bits_for(surface.num_vertices()));
   topology.star_corner.resize(num_corners);
@@ -27,8 +28,8 @@ void build_stars(const Exec& exec, const Surface& surface, Topology& topology) {
   });
 }
 
-/// Smallest element of each set under concurrent unions: links point to smaller elements, so the roots, and with them
-/// the labels, are the same however the threads interleave.
+/// Smallest element of each set under concurrent unions: links point to smaller elements, so the roots, and
+/// with them the labels, are the same however the threads interleave.
 class ConcurrentSets {
  public:
   explicit ConcurrentSets(Index n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -98,7 +99,8 @@ std::vector<Loop> trace_loops(const Surface& surface, const Topology& topology) 
     }
     loops.push_back(std::move(loop));
   }
-  std::stable_sort(loops.begin(), loops.end(), [](const Loop& a, const Loop& b) { return a.length > b.length; });
+  std::stable_sort(loops.begin(), loops.end(),
+                   [](const Loop& a, const Loop& b) { return a.length > b.length; });
   return loops;
 }
 
@@ -137,8 +139,9 @@ Topology build_topology(const Exec& exec, const Surface& surface) {
   });
 
   const auto is_plain = [](EdgeKind k) { return k == EdgeKind::Interior || k == EdgeKind::Boundary; };
-  topology.manifold = std::all_of(topology.edge_kind.begin(), topology.edge_kind.end(), is_plain) &&
-                      std::all_of(topology.single_fan.begin(), topology.single_fan.end(), [](auto f) { return f; });
+  topology.manifold =
+      std::all_of(topology.edge_kind.begin(), topology.edge_kind.end(), is_plain) &&
+      std::all_of(topology.single_fan.begin(), topology.single_fan.end(), [](auto f) { return f; });
   if (topology.manifold) {
     store_loops(trace_loops(surface, topology), topology);
     topology.num_edges = static_cast<Index>((num_corners + topology.loop_corner.size()) / 2);

@@ -21,17 +21,18 @@ struct Defect {
 struct Diagnosis {
   Index vertices = 0, triangles = 0;
   Index unreferenced_vertices = 0;
-  Index duplicate_positions = 0;  ///< referenced vertices at the position of an earlier one (not a defect)
-  Index components = 0;           ///< edge-connected
-  Index boundary_loops = 0;       ///< 0 where edges are not manifold
+  Index duplicate_positions = 0;     ///< referenced vertices at the position of an earlier one (not a defect)
+  Index components = 0;              ///< edge-connected
+  Index boundary_loops = 0;          ///< 0 where edges are not manifold
   std::vector<double> loop_lengths;  ///< decreasing, mesh units
   Index boundary_edges = 0;
-  Index euler = 0;                ///< V - E + F of the referenced part
-  Index genus = 0;                ///< summed over components; kNone where edges or vertices are not manifold or not orientable
+  Index euler = 0;  ///< V - E + F of the referenced part
+  Index genus =
+      0;  ///< summed over components; kNone where edges or vertices are not manifold or not orientable
   double area = 0;
-  Vec3 lower, upper;              ///< bounding box of referenced finite vertices
+  Vec3 lower, upper;                    ///< bounding box of referenced finite vertices
   double min_angle = 0, max_angle = 0;  ///< radians, over triangles of positive area
-  std::vector<Defect> defects;    ///< most basic first; empty: can be flattened
+  std::vector<Defect> defects;          ///< most basic first; empty: can be flattened
 
   bool usable() const { return defects.empty(); }
 };

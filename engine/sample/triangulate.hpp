@@ -16,8 +16,8 @@ struct RowMesh {
   std::vector<Index> corner_vertex;  ///< [3 T] strips one after the other, counter-clockwise in the chart
 };
 
-/// Every strip is triangulated from its undisturbed rows; jitter is then taken back at triangles that it would
-/// turn over or flatten, so that all areas in the chart are positive.  Cost: O(T), parallel.
+/// Every strip is triangulated from its undisturbed rows; jitter is then taken back at triangles that it
+/// would turn over or flatten, so that all areas in the chart are positive.  Cost: O(T), parallel.
 RowMesh triangulate_rows(const Exec& exec, const RowDomain& domain, const RowPlan& plan, std::uint64_t seed);
 
 /// Flips edges while that enlarges the smallest of the six angles beside them, measured on the surface;

@@ -17,9 +17,15 @@ constexpr double kEnergyRounding = 1e-14;
 class Iteration {
  public:
   Iteration(const Exec& exec, const ArapEnergy& energy, const GlobalPhase& global, int memory)
-      : exec_(exec), area_(energy.area), global_(global), local_(exec, energy),
-        quasi_newton_(exec, memory), uv_(energy.num_vertices()), force_(uv_.size()),
-        descent_(uv_.size()), direction_(uv_.size()) {}
+      : exec_(exec),
+        area_(energy.area),
+        global_(global),
+        local_(exec, energy),
+        quasi_newton_(exec, memory),
+        uv_(energy.num_vertices()),
+        force_(uv_.size()),
+        descent_(uv_.size()),
+        direction_(uv_.size()) {}
 
   void start(In<Vec2> rotation) {
     local_.evaluate_rotations(rotation, force_);
@@ -35,8 +41,8 @@ class Iteration {
     return std::sqrt(decrement / std::max(energy_, kEnergyFloor * area_));
   }
 
-  /// One step along the quasi-Newton direction, or along the plain global step where that one fails to descend.
-  /// False where not even that lowers the energy: rounding is reached.
+  /// One step along the quasi-Newton direction, or along the plain global step where that one fails to
+  /// descend. False where not even that lowers the energy: rounding is reached.
   bool advance() {
     quasi_newton_.direction(force_, descent_, direction_);
     if (descend_along(direction_)) return true;
@@ -71,7 +77,8 @@ class Iteration {
     return false;
   }
 
-  /// Moves to the trial point; what remains of the old one becomes the pair that the quasi-Newton directions learn.
+  /// Moves to the trial point; what remains of the old one becomes the pair that the quasi-Newton directions
+  /// learn.
   void accept(std::vector<Vec2> trial, std::vector<Vec2> trial_force, double trial_energy) {
     uv_.swap(trial);
     force_.swap(trial_force);
@@ -100,7 +107,8 @@ class Iteration {
 }  // namespace
 
 Result<Minimum> minimise_arap(const Exec& exec, const ArapEnergy& energy, const GlobalPhase& global,
-                              In<Vec2> rotation, const FlattenOptions& options, const Monitor& monitor, int memory) {
+                              In<Vec2> rotation, const FlattenOptions& options, const Monitor& monitor,
+                              int memory) {
   Iteration iteration(exec, energy, global, memory);
   iteration.start(rotation);
   Minimum minimum;

@@ -18,20 +18,23 @@ double signed_area(const Triangle& t) { return 0.5 * cross(t.b - t.a, t.c - t.a)
 
 /// Integral of x^3 over a triangle of area 1 (complete homogeneous polynomial over 10).
 double mean_cube(double a, double b, double c) {
-  return (a * a * a + b * b * b + c * c * c + a * a * (b + c) + b * b * (a + c) + c * c * (a + b) + a * b * c) / 10;
+  return (a * a * a + b * b * b + c * c * c + a * a * (b + c) + b * b * (a + c) + c * c * (a + b) +
+          a * b * c) /
+         10;
 }
 
 struct Moments {
   double area = 0;
-  Vec2 first;                   // integral of z
+  Vec2 first;                     // integral of z
   double xx = 0, xy = 0, yy = 0;  // second moments about the origin
-  double third = 0;             // integral of x^3
+  double third = 0;               // integral of x^3
 };
 
 using ComponentMoments = std::vector<Moments>;
 
 template <class Add>
-ComponentMoments accumulate(In<Index> corner_vertex, In<Index> component, Index num_components, In<Vec2> uv, Add add) {
+ComponentMoments accumulate(In<Index> corner_vertex, In<Index> component, Index num_components, In<Vec2> uv,
+                            Add add) {
   ComponentMoments moments(num_components);
   for (Index t = 0; t < static_cast<Index>(corner_vertex.size() / 3); ++t) {
     const Triangle triangle = image(t, corner_vertex, uv);
@@ -71,7 +74,8 @@ Vec2 long_axis(const Moments& m, Vec2 first) {
   return unit(0.5 * std::atan2(2 * m.xy, difference));
 }
 
-std::vector<Vec2> first_points(In<Index> component, Index num_components, In<Index> vertex_rank, In<Vec2> uv) {
+std::vector<Vec2> first_points(In<Index> component, Index num_components, In<Index> vertex_rank,
+                               In<Vec2> uv) {
   std::vector<Index> first(num_components, kNone);
   for (Index v = 0; v < static_cast<Index>(uv.size()); ++v) {
     Index& f = first[component[v]];
@@ -89,8 +93,8 @@ void move_components(In<Index> component, Out<Vec2> uv, Move move) {
 
 }  // namespace
 
-void centre_and_align(In<Index> corner_vertex, In<Index> component, Index num_components, In<Index> vertex_rank,
-                      Out<Vec2> uv) {
+void centre_and_align(In<Index> corner_vertex, In<Index> component, Index num_components,
+                      In<Index> vertex_rank, Out<Vec2> uv) {
   const auto first = accumulate(corner_vertex, component, num_components, uv, add_first);
   move_components(component, uv, [&](Index k, Vec2 z) {
     return first[k].area != 0 ? z - (1 / first[k].area) * first[k].first : z;
@@ -127,7 +131,8 @@ void lay_out(In<Index> component, Index num_components, Out<Vec2> uv) {
   }
   std::vector<Index> order(num_components);
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return box[a].height() > box[b].height(); });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Index a, Index b) { return box[a].height() > box[b].height(); });
 
   double widest = 0, tallest = 0, total = 0;
   for (const Box& b : box) {

@@ -11,9 +11,9 @@
 namespace planish {
 namespace {
 
-/// Holds a threaded OpenBLAS to one thread while any factorization runs: its threads would change the order of sums,
-/// and the bits with them. The setting is the process's own, so it is counted by all factorizations that run at a time.
-/// Other BLAS libraries have no such call and need none.
+/// Holds a threaded OpenBLAS to one thread while any factorization runs: its threads would change the order
+/// of sums, and the bits with them. The setting is the process's own, so it is counted by all factorizations
+/// that run at a time. Other BLAS libraries have no such call and need none.
 class OneBlasThread {
  public:
   OneBlasThread() {
@@ -75,7 +75,8 @@ cholmod_sparse view(const SymmetricMatrix& matrix) {
 }
 
 Failure out_of_memory(const char* step) {
-  return fail(ErrorCode::OutOfMemory, std::string("not enough memory for the ") + step + " of the sparse factor");
+  return fail(ErrorCode::OutOfMemory,
+              std::string("not enough memory for the ") + step + " of the sparse factor");
 }
 
 }  // namespace

@@ -14,8 +14,9 @@ namespace planish {
 /// Fails: OutOfMemory.   Cost: serial, some 3 microseconds a row of a mesh Laplacian.
 Result<std::vector<Index>> fill_reducing_order(const SymmetricMatrix& matrix);
 
-/// Cholesky factor of a symmetric positive definite matrix (CHOLMOD supernodal; BLAS on one thread, so that the same
-/// matrix gives the same bits), with a solve for two interleaved right-hand sides, parallel over the elimination tree.
+/// Cholesky factor of a symmetric positive definite matrix (CHOLMOD supernodal; BLAS on one thread, so that
+/// the same matrix gives the same bits), with a solve for two interleaved right-hand sides, parallel over the
+/// elimination tree.
 class GlobalPhase {
  public:
   /// Symbolic analysis and factorization with a given order.
@@ -25,7 +26,8 @@ class GlobalPhase {
   GlobalPhase& operator=(GlobalPhase&&) noexcept;
   ~GlobalPhase();
 
-  /// x = matrix^-1 rhs for both components.   rhs, x [n], may be the same array.   Cost: reads the factor twice.
+  /// x = matrix^-1 rhs for both components.   rhs, x [n], may be the same array.   Cost: reads the factor
+  /// twice.
   void solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const;
 
   /// Entries of the factor, and bytes they take.

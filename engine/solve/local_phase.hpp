@@ -9,15 +9,16 @@
 
 namespace planish {
 
-/// The ARAP energy of a mesh: sum over triangles of A |J - R|_F^2 with R the closest rotation (Liu et al. 2008).
+/// The ARAP energy of a mesh: sum over triangles of A |J - R|_F^2 with R the closest rotation (Liu et al.
+/// 2008).
 struct ArapEnergy {
-  In<Index> corner_vertex;   ///< [3 T]
-  Offsets stars;             ///< [V] corners at each vertex
-  In<Index> star_corner;     ///< [3 T]
-  In<RestFrame> frame;       ///< [T]
-  In<double> cotangent;      ///< [3 T]
-  In<std::uint8_t> fixed;    ///< [V] 1 for the vertex of each component that holds it in place
-  double area = 0;           ///< sum of the rest areas
+  In<Index> corner_vertex;  ///< [3 T]
+  Offsets stars;            ///< [V] corners at each vertex
+  In<Index> star_corner;    ///< [3 T]
+  In<RestFrame> frame;      ///< [T]
+  In<double> cotangent;     ///< [3 T]
+  In<std::uint8_t> fixed;   ///< [V] 1 for the vertex of each component that holds it in place
+  double area = 0;          ///< sum of the rest areas
   Index num_vertices() const { return stars.size(); }
   Index num_triangles() const { return static_cast<Index>(frame.size()); }
 };

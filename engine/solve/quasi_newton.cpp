@@ -47,7 +47,8 @@ void QuasiNewton::drop_oldest() {
   }
 }
 
-void QuasiNewton::add(std::vector<Vec2> step, std::vector<Vec2> force_change, std::vector<Vec2> solved_change) {
+void QuasiNewton::add(std::vector<Vec2> step, std::vector<Vec2> force_change,
+                      std::vector<Vec2> solved_change) {
   if (memory_ == 0) return;
   if (pairs_.size() == static_cast<std::size_t>(memory_)) drop_oldest();
   pairs_.push_back({std::move(step), std::move(force_change), std::move(solved_change), {}, {}, {}});

@@ -20,19 +20,19 @@ struct Scaled {
 };
 void combine(const Exec& exec, In<Vec2> first, const std::vector<Scaled>& others, Out<Vec2> sum);
 
-/// L-BFGS whose initial inverse Hessian is the global solve itself: the first direction is a plain local/global step,
-/// later ones bend it by what the last steps taught. Needs no solve of its own: with d = -L^-1 f at hand, L^-1 applied
-/// to a difference of forces is a difference of d's. The two loops run on dot products that are kept, so a direction
-/// reads every stored vector twice, not once a loop step.
-/// Ref: Nocedal 1980; the proxy as initial Hessian as in Liu, Bouaziz and Kavan 2017; products kept as in Chen, Wang
-/// and Zhou 2014.
+/// L-BFGS whose initial inverse Hessian is the global solve itself: the first direction is a plain
+/// local/global step, later ones bend it by what the last steps taught. Needs no solve of its own: with d =
+/// -L^-1 f at hand, L^-1 applied to a difference of forces is a difference of d's. The two loops run on dot
+/// products that are kept, so a direction reads every stored vector twice, not once a loop step. Ref: Nocedal
+/// 1980; the proxy as initial Hessian as in Liu, Bouaziz and Kavan 2017; products kept as in Chen, Wang and
+/// Zhou 2014.
 class QuasiNewton {
  public:
   /// memory: pairs kept, 0 for plain local/global.
   QuasiNewton(const Exec& exec, int memory) : exec_(exec), memory_(memory) {}
 
-  /// Learns from a step: change of the position s, of the force y, and of L^-1 y. Pairs without positive curvature
-  /// s . y are dropped.
+  /// Learns from a step: change of the position s, of the force y, and of L^-1 y. Pairs without positive
+  /// curvature s . y are dropped.
   void add(std::vector<Vec2> step, std::vector<Vec2> force_change, std::vector<Vec2> solved_change);
 
   /// direction [n] out, from force f [n] and d = -L^-1 f [n].
@@ -43,7 +43,8 @@ class QuasiNewton {
  private:
   struct Pair {
     std::vector<Vec2> step, force_change, solved_change;
-    // Products with the pairs in their order, this one's own last: s . y_j, s_j . y, y . L^-1 y_j. Older pairs only.
+    // Products with the pairs in their order, this one's own last: s . y_j, s_j . y, y . L^-1 y_j. Older
+    // pairs only.
     std::vector<double> step_with, with_step, curvature_with;
     double curvature() const { return step_with.back(); }
   };

@@ -43,10 +43,11 @@ std::vector<Index> order_with_holes(In<Index> order, Index num_nodes) {
   return extended;
 }
 
-Result<std::vector<double>> solve_rotation_rows(const Exec& exec, const StartInput& input, const RotationRows& rows,
-                                                const EdgeWeight& weight, double& residual) {
-  const SymmetricMatrix laplacian = quotient_laplacian(exec, input.corner_vertex, *input.topology, rows.vertex_node,
-                                                       rows.num_nodes, weight);
+Result<std::vector<double>> solve_rotation_rows(const Exec& exec, const StartInput& input,
+                                                const RotationRows& rows, const EdgeWeight& weight,
+                                                double& residual) {
+  const SymmetricMatrix laplacian = quotient_laplacian(exec, input.corner_vertex, *input.topology,
+                                                       rows.vertex_node, rows.num_nodes, weight);
   auto global = GlobalPhase::factor(laplacian, order_with_holes(input.order, rows.num_nodes));
   if (!global) return fail(global.error());
   std::vector<Vec2> x(rows.num_nodes);

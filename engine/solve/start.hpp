@@ -24,7 +24,7 @@ struct StartInput {
 struct Start {
   std::vector<Vec2> rotation;     ///< [T] unit complex numbers
   std::vector<Index> outer_loop;  ///< per component
-  double holonomy_residual = 0;   ///< largest residual of the rotation rows, radians; 0 where none were solved
+  double holonomy_residual = 0;  ///< largest residual of the rotation rows, radians; 0 where none were solved
 };
 
 /// Fails: FactorizationFailed, OutOfMemory; ResidualTooLarge where a row is missed by more than 1e-9.

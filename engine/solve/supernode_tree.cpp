@@ -7,7 +7,8 @@
 namespace planish {
 namespace {
 
-// Tasks of at most this share of the work: enough of them to keep many cores busy, few enough to add up cheaply.
+// Tasks of at most this share of the work: enough of them to keep many cores busy, few enough to add up
+// cheaply.
 constexpr double kSubtreeShare = 1.0 / 32;
 
 Panel panel(const SupernodalFactor& f, Index s) {

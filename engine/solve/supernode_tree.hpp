@@ -1,4 +1,5 @@
-// Triangular solves over a supernodal Cholesky factor, parallel over disjoint subtrees of its elimination tree.
+// Triangular solves over a supernodal Cholesky factor, parallel over disjoint subtrees of its elimination
+// tree.
 #pragma once
 
 #include <vector>
@@ -9,8 +10,8 @@
 namespace planish {
 
 /// Views of a supernodal factor L of P A P^T = L L^T, columns postordered. Supernode s holds the columns
-/// [super[s], super[s + 1]), its row numbers are row[row_begin[s], row_begin[s + 1]) (its own columns first) and its
-/// panel starts at value[value_begin[s]].
+/// [super[s], super[s + 1]), its row numbers are row[row_begin[s], row_begin[s + 1]) (its own columns first)
+/// and its panel starts at value[value_begin[s]].
 struct SupernodalFactor {
   In<Index> super, row_begin, row, value_begin;
   const double* value = nullptr;
@@ -18,8 +19,8 @@ struct SupernodalFactor {
   Index num_supernodes() const { return static_cast<Index>(super.size()) - 1; }
 };
 
-/// How the solve is split: subtrees of bounded work, each a task, and the supernodes above them, done in order.
-/// The split depends on the factor alone, so the bits do not depend on the number of threads.
+/// How the solve is split: subtrees of bounded work, each a task, and the supernodes above them, done in
+/// order. The split depends on the factor alone, so the bits do not depend on the number of threads.
 class SupernodeTree {
  public:
   SupernodeTree() = default;
@@ -32,11 +33,11 @@ class SupernodeTree {
   void forward(const Exec& exec, const SupernodalFactor& factor, Out<Vec2> y) const;
   void backward(const Exec& exec, const SupernodalFactor& factor, Out<Vec2> y) const;
 
-  std::vector<Range> subtree_;        ///< contiguous supernodes of each task
-  std::vector<Index> top_;            ///< supernodes above the tasks, ascending
-  std::vector<Index> top_place_;      ///< [n] place of a column among the top columns, or kNone
-  std::vector<Index> top_column_;     ///< columns of the top supernodes
-  Index most_rows_ = 0;               ///< of any panel: length of a task's scratch
+  std::vector<Range> subtree_;     ///< contiguous supernodes of each task
+  std::vector<Index> top_;         ///< supernodes above the tasks, ascending
+  std::vector<Index> top_place_;   ///< [n] place of a column among the top columns, or kNone
+  std::vector<Index> top_column_;  ///< columns of the top supernodes
+  Index most_rows_ = 0;            ///< of any panel: length of a task's scratch
 };
 
 }  // namespace planish

@@ -7,7 +7,8 @@
 
 namespace planish {
 
-/// Column j holds rows row[k] >= j, ascending, diagonal first, for k in [column_begin[j], column_begin[j + 1]).
+/// Column j holds rows row[k] >= j, ascending, diagonal first, for k in [column_begin[j], column_begin[j +
+/// 1]).
 struct SymmetricMatrix {
   std::vector<Index> column_begin;  ///< [n + 1]
   std::vector<Index> row;

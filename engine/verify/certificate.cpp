@@ -14,24 +14,28 @@ struct Weighted {
 };
 
 Spread spread_of(std::vector<Weighted> values) {
-  std::sort(values.begin(), values.end(), [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
+  std::sort(values.begin(), values.end(),
+            [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
   std::vector<double> weight(values.size()), moment(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
     weight[i] = values[i].weight;
     moment[i] = values[i].weight * values[i].value;
   }
   const double total = pairwise_sum(weight);
-  Spread spread{.min = values.front().value, .max = values.back().value, .mean = pairwise_sum(moment) / total};
+  Spread spread{
+      .min = values.front().value, .max = values.back().value, .mean = pairwise_sum(moment) / total};
   double below = 0;
   std::size_t i = 0;
-  for (const auto& [share, target] : {std::pair{0.01, &spread.p1}, {0.50, &spread.p50}, {0.99, &spread.p99}}) {
+  for (const auto& [share, target] :
+       {std::pair{0.01, &spread.p1}, {0.50, &spread.p50}, {0.99, &spread.p99}}) {
     while (i + 1 < values.size() && below + values[i].weight < share * total) below += values[i++].weight;
     *target = values[i].value;
   }
   return spread;
 }
 
-void measure_energies(const Exec& exec, In<RestFrame> frame, In<SingularValues> sigma, Certificate& certificate) {
+void measure_energies(const Exec& exec, In<RestFrame> frame, In<SingularValues> sigma,
+                      Certificate& certificate) {
   const auto num_triangles = static_cast<Index>(frame.size());
   const auto total = [&](auto&& density) {
     return exec.sum_blocks(num_triangles, kBlock, [&](Range r) {
@@ -42,10 +46,12 @@ void measure_energies(const Exec& exec, In<RestFrame> frame, In<SingularValues> 
   };
   const double rest_area = total([](SingularValues) { return 1.0; });
   certificate.arap = total([](SingularValues s) { return arap(s); }) / rest_area;
-  certificate.symmetric_dirichlet = total([](SingularValues s) { return symmetric_dirichlet(s); }) / rest_area;
+  certificate.symmetric_dirichlet =
+      total([](SingularValues s) { return symmetric_dirichlet(s); }) / rest_area;
 }
 
-void measure_stretch(const Exec& exec, In<RestFrame> frame, In<SingularValues> sigma, Certificate& certificate) {
+void measure_stretch(const Exec& exec, In<RestFrame> frame, In<SingularValues> sigma,
+                     Certificate& certificate) {
   const auto spread = [&](auto&& quantity) {
     std::vector<Weighted> values(frame.size());
     for (std::size_t t = 0; t < frame.size(); ++t) values[t] = {quantity(sigma[t]), area(frame[t])};
@@ -54,8 +60,10 @@ void measure_stretch(const Exec& exec, In<RestFrame> frame, In<SingularValues> s
   exec.for_tasks(4, [&](Index task) {
     if (task == 0) certificate.sigma_max = spread([](SingularValues s) { return s.sigma_max; });
     if (task == 1) certificate.sigma_min = spread([](SingularValues s) { return s.sigma_min; });
-    if (task == 2) certificate.area_ratio = spread([](SingularValues s) { return s.sigma_max * s.sigma_min; });
-    if (task == 3) certificate.angle_distortion = spread([](SingularValues s) { return s.sigma_max / s.sigma_min; });
+    if (task == 2)
+      certificate.area_ratio = spread([](SingularValues s) { return s.sigma_max * s.sigma_min; });
+    if (task == 3)
+      certificate.angle_distortion = spread([](SingularValues s) { return s.sigma_max / s.sigma_min; });
   });
 }
 

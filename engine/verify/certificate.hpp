@@ -11,8 +11,8 @@ namespace planish {
 
 /// Energies, stretch, flips (exact) and overwound vertices. Ids are those of the arrays given.
 ///   surface: topology's mesh;  frame [T] in the units of uv;  uv [V].
-/// A vertex is overwound when the signed angles of its image fan, flipped triangles counting negative, sum to more
-/// than 2 pi. Percentiles are weighted by rest area: the least value that p of the area does not exceed.
+/// A vertex is overwound when the signed angles of its image fan, flipped triangles counting negative, sum to
+/// more than 2 pi. Percentiles are weighted by rest area: the least value that p of the area does not exceed.
 /// Overlaps are not looked for.   Cost: O(T log T).
 Certificate certify(const Exec& exec, const Surface& surface, const Topology& topology, In<RestFrame> frame,
                     In<Vec2> uv);

@@ -60,7 +60,8 @@ bool share_vertex(const Image& a, const Image& b) {
 bool separated_by_edge_of(const Image& a, const Image& b) {
   for (int i = 0; i < 3; ++i) {
     const Vec2 p = a.point[i], q = a.point[(i + 1) % 3];
-    if (orient2(p, q, b.point[0]) <= 0 && orient2(p, q, b.point[1]) <= 0 && orient2(p, q, b.point[2]) <= 0) return true;
+    if (orient2(p, q, b.point[0]) <= 0 && orient2(p, q, b.point[1]) <= 0 && orient2(p, q, b.point[2]) <= 0)
+      return true;
   }
   return false;
 }
@@ -99,8 +100,8 @@ std::uint64_t spread_bits(std::uint64_t x) {  // 16 bits to every second place
   return (x | x << 1) & 0x55555555;
 }
 
-/// Complete binary tree over leaves of a few images in Morton order. Node 1 is the root, node k has children 2 k and
-/// 2 k + 1, leaf l is node first_leaf + l.
+/// Complete binary tree over leaves of a few images in Morton order. Node 1 is the root, node k has children
+/// 2 k and 2 k + 1, leaf l is node first_leaf + l.
 class Hierarchy {
  public:
   static constexpr Index kLeafSize = 4;
@@ -113,7 +114,8 @@ class Hierarchy {
       for (Index i = r.begin; i < r.end; ++i) images_[i] = image_of(order[i], corner_vertex, uv);
     });
     num_leaves_ = Exec::num_blocks(num_triangles, kLeafSize);
-    first_leaf_ = static_cast<Index>(std::bit_ceil(static_cast<std::uint32_t>(std::max<Index>(1, num_leaves_))));
+    first_leaf_ =
+        static_cast<Index>(std::bit_ceil(static_cast<std::uint32_t>(std::max<Index>(1, num_leaves_))));
     nodes_.resize(2 * static_cast<std::size_t>(first_leaf_));
     exec.for_blocks(num_leaves_, kBlock, [&](Index, Range r) {
       for (Index leaf = r.begin; leaf < r.end; ++leaf) {
@@ -164,7 +166,8 @@ class Hierarchy {
       for (Index t = r.begin; t < r.end; ++t) {
         const Vec2 sum = (uv[corner_vertex[3 * t]] - box.lower) + (uv[corner_vertex[3 * t + 1]] - box.lower) +
                          (uv[corner_vertex[3 * t + 2]] - box.lower);
-        const auto x = static_cast<std::uint64_t>(scale * sum.x), y = static_cast<std::uint64_t>(scale * sum.y);
+        const auto x = static_cast<std::uint64_t>(scale * sum.x),
+                   y = static_cast<std::uint64_t>(scale * sum.y);
         items[t] = {spread_bits(x) | spread_bits(y) << 1, t};
       }
     });

@@ -7,9 +7,9 @@
 namespace planish {
 
 struct Overlaps {
-  Offset pairs = 0;          ///< pairs without a common vertex whose images share interior points, exact
-  double common_area = 0;    ///< sum of the pairs' common areas, squared units of uv
-  double map_area = 0;       ///< sum of the triangles' image areas
+  Offset pairs = 0;        ///< pairs without a common vertex whose images share interior points, exact
+  double common_area = 0;  ///< sum of the pairs' common areas, squared units of uv
+  double map_area = 0;     ///< sum of the triangles' image areas
 };
 
 /// Bounding volume hierarchy over the image triangles, exact orientation predicates.

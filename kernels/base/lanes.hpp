@@ -11,8 +11,8 @@ inline constexpr Index kLanes = 4;
 
 }  // namespace planish
 
-/// Compiles a function for the baseline and for AVX2; the loader picks. The arithmetic is the same in both (no
-/// contraction to fused multiply-add), so are the bits.
+/// Compiles a function for the baseline and for AVX2; the loader picks. The arithmetic is the same in both
+/// (no contraction to fused multiply-add), so are the bits.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define PLANISH_CLONES __attribute__((target_clones("default", "avx2")))

@@ -1,5 +1,6 @@
-// One pass of a stable least-significant-digit radix sort, split into blocks: histograms of all blocks, one scan
-// over digits and blocks, then every block scatters into places of its own. Any split gives the same order.
+// One pass of a stable least-significant-digit radix sort, split into blocks: histograms of all blocks, one
+// scan over digits and blocks, then every block scatters into places of its own. Any split gives the same
+// order.
 #pragma once
 
 #include <array>

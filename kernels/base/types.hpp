@@ -8,7 +8,8 @@
 
 namespace planish {
 
-/// Vertices, corners, triangles, matrix rows. Signed, so that -1 can mean "none" and loops run backwards safely.
+/// Vertices, corners, triangles, matrix rows. Signed, so that -1 can mean "none" and loops run backwards
+/// safely.
 using Index = std::int32_t;
 /// Nonzeros, factor values, bytes.
 using Offset = std::int64_t;
@@ -72,8 +73,8 @@ inline double squared_norm(const Mat2& m) {
   return m.m00 * m.m00 + m.m01 * m.m01 + m.m10 * m.m10 + m.m11 * m.m11;
 }
 
-/// Corners c = 3 t + i of triangle t. The half-edge of corner c runs from its vertex to that of next_corner(c);
-/// the edge opposite corner c is the half-edge of next_corner(c).
+/// Corners c = 3 t + i of triangle t. The half-edge of corner c runs from its vertex to that of
+/// next_corner(c); the edge opposite corner c is the half-edge of next_corner(c).
 inline constexpr Index next_corner(Index c) { return c % 3 == 2 ? c - 2 : c + 1; }
 inline constexpr Index previous_corner(Index c) { return c % 3 == 0 ? c + 2 : c - 1; }
 

@@ -8,7 +8,8 @@ Cotangents cotangents(const RestFrame& frame) {
   const auto edge = edge_vectors(frame);
   const std::array<double, 3> squared = {dot(edge[0], edge[0]), dot(edge[1], edge[1]), dot(edge[2], edge[2])};
   const auto base = static_cast<int>(std::max_element(squared.begin(), squared.end()) - squared.begin());
-  const int next = (base + 1) % 3, apex = (base + 2) % 3;  // base edge runs from corner `base` to corner `next`
+  const int next = (base + 1) % 3,
+            apex = (base + 2) % 3;  // base edge runs from corner `base` to corner `next`
   const double length = std::sqrt(squared[base]);
   const double foot = -dot(edge[apex], edge[base]) / length;  // of the apex along the base edge
   const double altitude = frame.x1 * frame.y2 / length;

@@ -5,9 +5,9 @@
 
 namespace planish {
 
-/// Least ratio of a triangle's altitude to its longest edge in the weights; flatter triangles get the cotangents of
-/// the triangle with its apex lifted to that altitude. The weights stay those of a real triangle, so they stay
-/// positive semidefinite, and an isometric map still has energy 0.
+/// Least ratio of a triangle's altitude to its longest edge in the weights; flatter triangles get the
+/// cotangents of the triangle with its apex lifted to that altitude. The weights stay those of a real
+/// triangle, so they stay positive semidefinite, and an isometric map still has energy 0.
 inline constexpr double kLeastAltitude = 1e-5;
 
 /// Cotangents at the three corners.
@@ -17,7 +17,8 @@ struct Cotangents {
 };
 Cotangents cotangents(const RestFrame& frame);
 
-///   frame [T] length;  cotangent [3 T] out, at each corner;  mollified [T] out: 1 where the altitude was floored.
+///   frame [T] length;  cotangent [3 T] out, at each corner;  mollified [T] out: 1 where the altitude was
+///   floored.
 void cotangents(Range triangles, In<RestFrame> frame, Out<double> cotangent, Out<std::uint8_t> mollified);
 
 }  // namespace planish

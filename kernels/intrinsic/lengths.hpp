@@ -7,7 +7,8 @@
 
 namespace planish {
 
-/// Isometric copy of a triangle in the plane: corner 0 at the origin, corner 1 at (x1, 0), corner 2 at (x2, y2), y2 >= 0.
+/// Isometric copy of a triangle in the plane: corner 0 at the origin, corner 1 at (x1, 0), corner 2 at (x2,
+/// y2), y2 >= 0.
 struct RestFrame {
   double x1 = 0, x2 = 0, y2 = 0;
 };
@@ -31,7 +32,8 @@ inline std::array<double, 3> corner_angles(const RestFrame& f) {
   return {a0, a1, kPi - a0 - a1};
 }
 
-///   position [V] length;  corner_vertex [3 T];  frame [T] out, length.   Fails: never; NaN where corners 0, 1 coincide.
+///   position [V] length;  corner_vertex [3 T];  frame [T] out, length.   Fails: never; NaN where corners 0,
+///   1 coincide.
 void rest_frames(Range triangles, In<Vec3> position, In<Index> corner_vertex, Out<RestFrame> frame);
 
 ///   frame [T] length;  angle [3 T] out, radians.

@@ -23,7 +23,8 @@ void rotation_forces(Range r, In<Vec2> rotation, In<double> cotangent, In<RestFr
   }
 }
 
-void gather_forces(Range r, In<Index> star_begin, In<Index> star_corner, In<Vec2> force, Out<Vec2> vertex_force) {
+void gather_forces(Range r, In<Index> star_begin, In<Index> star_corner, In<Vec2> force,
+                   Out<Vec2> vertex_force) {
   for (Index v = r.begin; v < r.end; ++v) {
     Vec2 sum{};
     for (Index k = star_begin[v]; k < star_begin[v + 1]; ++k) sum += force[star_corner[k]];

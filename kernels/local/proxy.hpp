@@ -13,7 +13,8 @@ struct ProxyForces {
   std::array<Vec2, 3> force;
 };
 
-/// Closest rotation in the weights' metric, as a unit complex number; 1 where every rotation is equally close.
+/// Closest rotation in the weights' metric, as a unit complex number; 1 where every rotation is equally
+/// close.
 ///   z: images of the corners;  cotangent [3] at the corners;  frame: reference frame.
 ///   Ref: Liu et al. 2008, eq. 5; in complex numbers sum of cot dz conj(dx), normalised.
 inline Vec2 closest_rotation(const std::array<Vec2, 3>& z, const double* cotangent, const RestFrame& frame) {
@@ -43,7 +44,8 @@ inline ProxyForces proxy_forces(const std::array<Vec2, 3>& z, const double* cota
 }
 
 /// Local phase of triangles r: forces of every corner for its closest rotation; returns the energy of r.
-///   uv [V];  corner_vertex [3 T];  cotangent [3 T];  frame [T];  force [3 T] out, half the energy's gradient.
+///   uv [V];  corner_vertex [3 T];  cotangent [3 T];  frame [T];  force [3 T] out, half the energy's
+///   gradient.
 double local_phase(Range r, In<Vec2> uv, In<Index> corner_vertex, In<double> cotangent, In<RestFrame> frame,
                    Out<Vec2> force);
 
@@ -51,6 +53,7 @@ double local_phase(Range r, In<Vec2> uv, In<Index> corner_vertex, In<double> cot
 void rotation_forces(Range r, In<Vec2> rotation, In<double> cotangent, In<RestFrame> frame, Out<Vec2> force);
 
 /// Sum of the corner forces at each vertex of r.   force [3 T];  vertex_force [V] out.
-void gather_forces(Range r, In<Index> star_begin, In<Index> star_corner, In<Vec2> force, Out<Vec2> vertex_force);
+void gather_forces(Range r, In<Index> star_begin, In<Index> star_corner, In<Vec2> force,
+                   Out<Vec2> vertex_force);
 
 }  // namespace planish

@@ -10,7 +10,9 @@ namespace {
 // Columns go in groups: each row's entries of u and v are then loaded once for the whole group.
 constexpr Index kGroup = 4;
 
-const double* column(const Panel& panel, Index j) { return panel.value + static_cast<Offset>(j) * panel.rows; }
+const double* column(const Panel& panel, Index j) {
+  return panel.value + static_cast<Offset>(j) * panel.rows;
+}
 
 const Lanes& lanes(const double* p) { return *reinterpret_cast<const Lanes*>(p); }
 Lanes& lanes(double* p) { return *reinterpret_cast<Lanes*>(p); }
@@ -18,19 +20,20 @@ Lanes& lanes(double* p) { return *reinterpret_cast<Lanes*>(p); }
 double sum(Lanes x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 
 /// x[rows from `first`] -= sum over the group of c[k] * y[k].
-inline void subtract_group(const std::array<const double*, kGroup>& c, const double* y, Index first, Index rows,
-                           double* __restrict x) {
+inline void subtract_group(const std::array<const double*, kGroup>& c, const double* y, Index first,
+                           Index rows, double* __restrict x) {
   const double y0 = y[0], y1 = y[1], y2 = y[2], y3 = y[3];
   Index i = first;
   for (; i + kLanes <= rows; i += kLanes) {
-    lanes(x + i) -= (lanes(c[0] + i) * y0 + lanes(c[1] + i) * y1) + (lanes(c[2] + i) * y2 + lanes(c[3] + i) * y3);
+    lanes(x + i) -=
+        (lanes(c[0] + i) * y0 + lanes(c[1] + i) * y1) + (lanes(c[2] + i) * y2 + lanes(c[3] + i) * y3);
   }
   for (; i < rows; ++i) x[i] -= (c[0][i] * y0 + c[1][i] * y1) + (c[2][i] * y2 + c[3][i] * y3);
 }
 
 /// Dot products of the group's columns with x over rows from `first`.
-inline std::array<double, kGroup> dot_group(const std::array<const double*, kGroup>& c, Index first, Index rows,
-                                            const double* x) {
+inline std::array<double, kGroup> dot_group(const std::array<const double*, kGroup>& c, Index first,
+                                            Index rows, const double* x) {
   Lanes s0{}, s1{}, s2{}, s3{};
   Index i = first;
   for (; i + kLanes <= rows; i += kLanes) {

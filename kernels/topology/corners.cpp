@@ -22,10 +22,10 @@ void find_twins(Range r, In<Index> corner_vertex, Offsets stars, In<Index> star_
       }
     }
     twin[c] = others == 1 ? other : kNone;
-    kind[c] = others == 0                    ? EdgeKind::Boundary
+    kind[c] = others == 0                   ? EdgeKind::Boundary
               : others > 1 || center == far ? EdgeKind::NonManifold
-              : same_direction == 1          ? EdgeKind::Inconsistent
-                                             : EdgeKind::Interior;
+              : same_direction == 1         ? EdgeKind::Inconsistent
+                                            : EdgeKind::Interior;
   }
 }
 

@@ -5,7 +5,7 @@
 
 namespace planish {
 
-inline constexpr int kHilbertBits = 11;                ///< an axis
+inline constexpr int kHilbertBits = 11;  ///< an axis
 inline constexpr int kHilbertKeyBits = 3 * kHilbertBits;
 
 /// Place of a cell (each coordinate below 2^kHilbertBits) along the Hilbert curve.

@@ -28,7 +28,8 @@ void rotate_stars(Range r, In<Index> twin, Offsets stars, Out<Index> star_corner
     } while (c != kNone && c != first && k < star.end);
     const bool one_fan = k == star.end && (c == kNone || c == first);
     single_fan[v] = one_fan ? 1 : 0;
-    if (one_fan) std::copy(scratch.begin() + star.begin, scratch.begin() + star.end, star_corner.begin() + star.begin);
+    if (one_fan)
+      std::copy(scratch.begin() + star.begin, scratch.begin() + star.end, star_corner.begin() + star.begin);
   }
 }
 

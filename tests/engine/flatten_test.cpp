@@ -90,7 +90,8 @@ TEST_CASE("flatten: a flat frame with a hole is returned unchanged, at once but 
   CHECK(flattened(mesh, {.init = Init::Harmonic}).certificate.arap < 1e-12);
 }
 
-TEST_CASE("flatten: around a curved hole the start is good: far less energy than unfolding alone, and no flips") {
+TEST_CASE(
+    "flatten: around a curved hole the start is good: far less energy than unfolding alone, and no flips") {
   const Mesh mesh = shapes::frame(60, hill);
   const Flattening uniform = flattened(mesh, {.max_iterations = 0});
   const Flattening identity = flattened(mesh, {.init = Init::Identity, .max_iterations = 0});
@@ -117,12 +118,14 @@ TEST_CASE("flatten: every start reaches the same minimum, and the energy never r
 TEST_CASE("flatten: at the minimum no small move of the vertices lowers the energy") {
   const Mesh mesh = shapes::wavy_disk(300);
   const Flattening f = flattened(mesh, {.tolerance = 1e-9});
-  // A rigid start from a perturbed surface would hide in the gauge: compare energies of a flat copy moved by hand.
+  // A rigid start from a perturbed surface would hide in the gauge: compare energies of a flat copy moved by
+  // hand.
   const auto energy_of = [&](const std::vector<Vec2>& uv) {
     double sum = 0, area = 0;
     for (Index t = 0; t < mesh.num_triangles(); ++t) {
-      const Index *v = &mesh.corner_vertex[3 * t];
-      const Vec3 e1 = mesh.position[v[1]] - mesh.position[v[0]], e2 = mesh.position[v[2]] - mesh.position[v[0]];
+      const Index* v = &mesh.corner_vertex[3 * t];
+      const Vec3 e1 = mesh.position[v[1]] - mesh.position[v[0]],
+                 e2 = mesh.position[v[2]] - mesh.position[v[0]];
       const double x1 = norm(e1), x2 = dot(e1, e2) / x1, y2 = norm(cross(e1, e2)) / x1;
       const Vec2 du = (1 / x1) * (uv[v[1]] - uv[v[0]]), dv = (1 / y2) * (uv[v[2]] - uv[v[0]] - x2 * du);
       const double a = std::hypot(du.x + dv.y, du.y - dv.x) / 2, b = std::hypot(du.x - dv.y, du.y + dv.x) / 2;
@@ -178,7 +181,8 @@ TEST_CASE("flatten: 1, 2 and 7 threads give the same bits") {
   }
 }
 
-TEST_CASE("flatten: the gauge is the centroid at the origin, the long axis along u, the heavy tail to the right") {
+TEST_CASE(
+    "flatten: the gauge is the centroid at the origin, the long axis along u, the heavy tail to the right") {
   Mesh mesh = shapes::rigid_motion(shapes::height_field(9, shapes::flat), 9);
   for (int k = 0; k < 2; ++k) {
     const Flattening f = flattened(mesh);
@@ -283,7 +287,8 @@ TEST_CASE("flatten: the monitor sees the phases in order and can stop at any cal
 }
 
 TEST_CASE("flatten: flips are those of the exact predicate on the coordinates returned") {
-  const auto hemisphere_and_more = make_sample(Exec(1), {.kind = "sphere-cap", .triangles = 4000, .noise = 0.01});
+  const auto hemisphere_and_more =
+      make_sample(Exec(1), {.kind = "sphere-cap", .triangles = 4000, .noise = 0.01});
   REQUIRE(hemisphere_and_more);
   const Mesh& mesh = hemisphere_and_more->mesh;
   const Flattening f = flattened(mesh);

@@ -1,8 +1,10 @@
 #include "io/file.hpp"
 
-#include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <atomic>
+#include <csignal>
 #include <fstream>
 #include <random>
 #include <thread>
@@ -136,6 +138,24 @@ TEST_CASE("file: a full device is noticed") {
   CHECK(result.error().code == ErrorCode::CannotWrite);
   CHECK(result.error().place.file == "/dev/full");
   CHECK(std::filesystem::is_character_file("/dev/full"));
+}
+
+TEST_CASE("file: a write that runs out of room leaves the old file and nothing else") {
+  const TemporaryFolder folder;
+  REQUIRE(write_file(folder / "a", "old"));
+  // A limit on the size of files fails half-way through, as a full disk does.
+  struct rlimit old_limit {};
+  getrlimit(RLIMIT_FSIZE, &old_limit);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const struct rlimit limit { .rlim_cur = 50'000, .rlim_max = old_limit.rlim_max };
+  setrlimit(RLIMIT_FSIZE, &limit);
+  const auto result = write_file(folder / "a", random_bytes(100'000, 8));
+  setrlimit(RLIMIT_FSIZE, &old_limit);
+  std::signal(SIGXFSZ, old_handler);
+  REQUIRE(!result.has_value());
+  CHECK(result.error().code == ErrorCode::CannotWrite);
+  CHECK(raw(folder / "a") == "old");
+  CHECK(folder.names() == std::vector<std::string>{"a"});
 }
 
 TEST_CASE("file: a symbolic link stays one, and its target gets the bytes") {

@@ -194,8 +194,7 @@ TEST_CASE("write ply: earlier parameterizations are kept beside the new one") {
 TEST_CASE("write ply: a parameterization with seams is kept as six numbers a face") {
   Mesh mesh = grid(3);
   std::vector<Vec2> corner_uv;
-  for (Index c = 0; c < 3 * mesh.num_triangles(); ++c)
-    corner_uv.push_back({c / 3.0, -1.0 / (c + 1.0)});
+  for (Index c = 0; c < 3 * mesh.num_triangles(); ++c) corner_uv.push_back({c / 3.0, -1.0 / (c + 1.0)});
   mesh.uv_sets.push_back({.name = "vt", .corner_uv = corner_uv, .per_vertex = false});
   const std::vector<Vec2> uv = some_uv(mesh, 1);
   const Written written = as_ply({.mesh = &mesh, .uv = uv});

@@ -147,3 +147,13 @@ TEST_CASE("weld: equal exactly where positions are equal") {
   CHECK(std::ranges::adjacent_find(sorted) == sorted.end());
   CHECK(seen == static_cast<Index>(welded.position.size()));
 }
+
+TEST_CASE("weld: equal hashes of different positions are told apart") {
+  const std::vector<Vec3> position = {{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {2, 0, 0}, {1, 0, 0}};
+  std::vector<KeyedIndex> group;
+  for (Index c = 0; c < 5; ++c) group.push_back({.key = 77, .index = c});
+  std::vector<Index> table, first(5, kNone);
+  weld_detail::find_first(
+      group, [&](Index c) { return position[c]; }, table, first);
+  CHECK(first == std::vector<Index>{0, 1, 0, 3, 1});
+}

@@ -39,7 +39,8 @@ Mesh grid(Index n, double (*z)(double, double), double jitter, Keep keep) {
   for (Index j = 0; j < n; ++j) {
     for (Index i = 0; i < n; ++i) {
       const bool inside = i > 0 && j > 0 && i + 1 < n && j + 1 < n;
-      const double dx = inside ? jitter * (random.uniform() - 0.5) : 0, dy = inside ? jitter * (random.uniform() - 0.5) : 0;
+      const double dx = inside ? jitter * (random.uniform() - 0.5) : 0,
+                   dy = inside ? jitter * (random.uniform() - 0.5) : 0;
       const double x = 2 * (i + dx) / (n - 1) - 1, y = 2 * (j + dy) / (n - 1) - 1;
       mesh.position.push_back({x, y, z(x, y)});
     }
@@ -66,7 +67,8 @@ Mesh height_field(Index n, double (*z)(double, double), double jitter) {
 
 Mesh wavy_disk(Index triangles) {
   const auto n = static_cast<Index>(std::sqrt(triangles / 2.0)) + 1;
-  return height_field(n, [](double x, double y) { return 0.3 * std::sin(3 * x) * std::cos(2 * y) + 0.2 * x * y; });
+  return height_field(
+      n, [](double x, double y) { return 0.3 * std::sin(3 * x) * std::cos(2 * y) + 0.2 * x * y; });
 }
 
 Mesh frame(Index n, double (*z)(double, double)) {
@@ -96,7 +98,8 @@ Mesh torus(Index n) {
   }
   for (Index j = 0; j < n; ++j) {
     for (Index i = 0; i < n; ++i) {
-      const Index p = j * n + i, q = j * n + (i + 1) % n, r = (j + 1) % n * n + i, s = (j + 1) % n * n + (i + 1) % n;
+      const Index p = j * n + i, q = j * n + (i + 1) % n, r = (j + 1) % n * n + i,
+                  s = (j + 1) % n * n + (i + 1) % n;
       mesh.corner_vertex.insert(mesh.corner_vertex.end(), {p, q, s, p, s, r});
     }
   }
@@ -150,7 +153,8 @@ Mesh relabelled(const Mesh& mesh, std::uint64_t seed, std::vector<Index>& new_of
   for (Index v = 0; v < mesh.num_vertices(); ++v) result.position[new_of_old[v]] = mesh.position[v];
   for (const Index t : shuffled(mesh.num_triangles())) {
     const auto first = static_cast<Index>(random.bits() % 3);
-    for (Index i = 0; i < 3; ++i) result.corner_vertex.push_back(new_of_old[mesh.corner_vertex[3 * t + (first + i) % 3]]);
+    for (Index i = 0; i < 3; ++i)
+      result.corner_vertex.push_back(new_of_old[mesh.corner_vertex[3 * t + (first + i) % 3]]);
   }
   return result;
 }

@@ -63,7 +63,8 @@ TEST_CASE("connection: on a flat annulus every right-hand side is 0, the hole's 
 }
 
 TEST_CASE("connection: a hole's right-hand side is the curvature that the hole carries") {
-  // Gauss-Bonnet on the disk that the hole would be filled to: 2 pi - (turning of its boundary) is its curvature.
+  // Gauss-Bonnet on the disk that the hole would be filled to: 2 pi - (turning of its boundary) is its
+  // curvature.
   const Prepared p(shapes::frame(40, bump));
   const RotationRows rows = rotation_rows(p.mesh.topology, p.mesh.mesh.corner_vertex, p.angle_sum);
   double all = 0;
@@ -106,7 +107,8 @@ TEST_CASE("connection: on a flat mesh unfolding alone gives one common rotation"
   for (Index t = 0; t < p.mesh.mesh.num_triangles(); ++t) CHECK(norm(direction(t) - direction(0)) < 1e-12);
 }
 
-TEST_CASE("connection: the uniform solution is the smallest: adding any potential's gradient makes it longer") {
+TEST_CASE(
+    "connection: the uniform solution is the smallest: adding any potential's gradient makes it longer") {
   const Prepared p(shapes::wavy_disk(800));
   const Topology& topology = p.mesh.topology;
   const In<Index> corner = p.mesh.mesh.corner_vertex;

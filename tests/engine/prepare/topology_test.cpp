@@ -57,8 +57,8 @@ TEST_CASE("topology: a cube is closed, each corner has angle defect pi/2 and the
 }
 
 TEST_CASE("topology: Gauss-Bonnet holds on disk, frame and torus") {
-  for (const Mesh& mesh : {shapes::wavy_disk(5000), shapes::frame(30, [](double x, double y) { return x * y; }),
-                           shapes::torus(20)}) {
+  for (const Mesh& mesh : {shapes::wavy_disk(5000),
+                           shapes::frame(30, [](double x, double y) { return x * y; }), shapes::torus(20)}) {
     const Topology topology = build_topology(Exec(2), mesh.surface());
     REQUIRE(topology.manifold);
     const auto sum = angle_sums_of(mesh, topology);
@@ -79,7 +79,8 @@ TEST_CASE("topology: a frame has its outer loop first, surface on the left of bo
   for (Index l = 0; l < 2; ++l) {
     double area = 0;
     for (const Index c : slice(In<Index>(topology.loop_corner), topology.loops().group(l))) {
-      const Vec3 p = mesh.position[mesh.corner_vertex[c]], q = mesh.position[mesh.corner_vertex[next_corner(c)]];
+      const Vec3 p = mesh.position[mesh.corner_vertex[c]],
+                 q = mesh.position[mesh.corner_vertex[next_corner(c)]];
       area += 0.5 * (p.x * q.y - p.y * q.x);
     }
     CHECK((area > 0) == (l == 0));
@@ -87,7 +88,8 @@ TEST_CASE("topology: a frame has its outer loop first, surface on the left of bo
 }
 
 TEST_CASE("topology: components are numbered by their first triangle") {
-  const Mesh mesh = shapes::joined(shapes::wavy_disk(200), shapes::joined(shapes::cube(1), shapes::wavy_disk(50)));
+  const Mesh mesh =
+      shapes::joined(shapes::wavy_disk(200), shapes::joined(shapes::cube(1), shapes::wavy_disk(50)));
   const Topology topology = build_topology(Exec(2), mesh.surface());
   CHECK(topology.num_components == 3);
   CHECK(topology.triangle_component.front() == 0);

@@ -91,7 +91,8 @@ TEST_CASE("validate: a triangle that names a vertex twice, one without area, a c
     CHECK(find(diagnosis, ErrorCode::DegenerateTriangle));
   }
   SUBCASE("copy") {
-    mesh.corner_vertex.insert(mesh.corner_vertex.end(), mesh.corner_vertex.begin() + 30, mesh.corner_vertex.begin() + 33);
+    mesh.corner_vertex.insert(mesh.corner_vertex.end(), mesh.corner_vertex.begin() + 30,
+                              mesh.corner_vertex.begin() + 33);
     const Diagnosis diagnosis = diagnosis_of(mesh);
     const Defect* defect = find(diagnosis, ErrorCode::DuplicateTriangle);
     REQUIRE(defect);
@@ -134,7 +135,8 @@ TEST_CASE("validate: a thin triangle is refused only below the precision of its 
   };
   CHECK(diagnosis_of(sliver(0, 1e-13)).usable());
   CHECK_FALSE(diagnosis_of(sliver(0, 1e-16)).usable());
-  CHECK_FALSE(diagnosis_of(sliver(1e6, 1e-13)).usable());  // a million units away the coordinates end at 1e-10
+  CHECK_FALSE(
+      diagnosis_of(sliver(1e6, 1e-13)).usable());  // a million units away the coordinates end at 1e-10
   CHECK(diagnosis_of(sliver(1e6, 1e-6)).usable());
 }
 

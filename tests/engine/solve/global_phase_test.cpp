@@ -1,8 +1,8 @@
 #include "engine/solve/global_phase.hpp"
 
+#include <numeric>
 #include <Eigen/SparseCholesky>
 #include <doctest/doctest.h>
-#include <numeric>
 
 #include "engine/prepare/prepare.hpp"
 #include "engine/solve/laplacian.hpp"
@@ -29,8 +29,7 @@ SymmetricMatrix held_laplacian(const Mesh& mesh) {
   const Topology topology = build_topology(Exec(1), mesh.surface());
   std::vector<std::uint8_t> held(mesh.num_vertices(), 0);
   held[0] = 1;
-  return vertex_laplacian(Exec(1), mesh.corner_vertex, topology, held,
-                          [](Index) { return 1.5; });
+  return vertex_laplacian(Exec(1), mesh.corner_vertex, topology, held, [](Index) { return 1.5; });
 }
 
 }  // namespace
@@ -48,7 +47,8 @@ TEST_CASE("global phase: solves agree with Eigen's Cholesky to 1e-10, on trees o
     global->solve(Exec(2), rhs, x);
     Eigen::MatrixX2d b(matrix.size(), 2);
     for (Index i = 0; i < matrix.size(); ++i) b.row(i) << rhs[i].x, rhs[i].y;
-    const Eigen::MatrixX2d expected = Eigen::SimplicialLLT<Eigen::SparseMatrix<double>>(to_eigen(matrix)).solve(b);
+    const Eigen::MatrixX2d expected =
+        Eigen::SimplicialLLT<Eigen::SparseMatrix<double>>(to_eigen(matrix)).solve(b);
     double worst = 0;
     for (Index i = 0; i < matrix.size(); ++i) {
       worst = std::max(worst, std::hypot(x[i].x - expected(i, 0), x[i].y - expected(i, 1)));
@@ -89,8 +89,9 @@ TEST_CASE("laplacian: constants are in its null space where nothing is held") {
   const Mesh mesh = shapes::frame(20, shapes::flat);
   const Topology topology = build_topology(Exec(1), mesh.surface());
   const std::vector<std::uint8_t> held(mesh.num_vertices(), 0);
-  const auto matrix = to_eigen(vertex_laplacian(Exec(2), mesh.corner_vertex, topology, held,
-                                                [&](Index c) { return 1.0 + std::min(c, topology.corner_twin[c]) % 5; }));
+  const auto matrix = to_eigen(vertex_laplacian(Exec(2), mesh.corner_vertex, topology, held, [&](Index c) {
+    return 1.0 + std::min(c, topology.corner_twin[c]) % 5;
+  }));
   CHECK((matrix * Eigen::VectorXd::Ones(matrix.cols())).cwiseAbs().maxCoeff() < 1e-12);
 }
 
@@ -100,20 +101,22 @@ TEST_CASE("laplacian: merging the vertices of a hole is the product with the mer
   const Index num_vertices = mesh.num_vertices();
   std::vector<Index> node(num_vertices);
   std::iota(node.begin(), node.end(), 0);
-  for (const Index c : slice(In<Index>(topology.loop_corner), topology.loops().group(0))) node[mesh.corner_vertex[c]] = kNone;
+  for (const Index c : slice(In<Index>(topology.loop_corner), topology.loops().group(0)))
+    node[mesh.corner_vertex[c]] = kNone;
   for (const Index c : slice(In<Index>(topology.loop_corner), topology.loops().group(1))) {
     node[mesh.corner_vertex[c]] = num_vertices;
   }
   const auto weight = [](Index) { return 2.0; };
-  const auto merged = to_eigen(
-      quotient_laplacian(Exec(2), mesh.corner_vertex, topology, node, num_vertices + 1, weight));
+  const auto merged =
+      to_eigen(quotient_laplacian(Exec(2), mesh.corner_vertex, topology, node, num_vertices + 1, weight));
   const auto plain = to_eigen(vertex_laplacian(Exec(1), mesh.corner_vertex, topology,
                                                std::vector<std::uint8_t>(num_vertices, 0), weight));
   Eigen::SparseMatrix<double> merging(num_vertices, num_vertices + 1);
   for (Index v = 0; v < num_vertices; ++v) {
     if (node[v] != kNone) merging.insert(v, node[v]) = 1;
   }
-  Eigen::MatrixXd difference = Eigen::MatrixXd(merged) - Eigen::MatrixXd(merging.transpose() * plain * merging);
+  Eigen::MatrixXd difference =
+      Eigen::MatrixXd(merged) - Eigen::MatrixXd(merging.transpose() * plain * merging);
   for (Index v = 0; v < num_vertices; ++v) {
     if (node[v] != v) difference(v, v) -= 1;  // unit rows of nodes that stand for nothing
   }

@@ -45,8 +45,9 @@ TEST_CASE("overlaps: two equal triangles on one another share all of their area"
 
 TEST_CASE("overlaps: touching in an edge, a corner or along a line is none") {
   const Mesh a = shapes::triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-  for (const Mesh& b : {shapes::triangle({1, 0, 0}, {1, 1, 0}, {0, 1, 0}), shapes::triangle({1, 0, 0}, {2, 0, 0}, {2, 1, 0}),
-                        shapes::triangle({0.25, 0, 0}, {0.5, -1, 0}, {0.75, 0, 0})}) {
+  for (const Mesh& b :
+       {shapes::triangle({1, 0, 0}, {1, 1, 0}, {0, 1, 0}), shapes::triangle({1, 0, 0}, {2, 0, 0}, {2, 1, 0}),
+        shapes::triangle({0.25, 0, 0}, {0.5, -1, 0}, {0.75, 0, 0})}) {
     const Mesh both = shapes::joined(a, b);
     CHECK(overlaps_of(both, dropped(both)).pairs == 0);
   }
@@ -60,7 +61,8 @@ TEST_CASE("overlaps: the smallest step beyond touching is found") {
 }
 
 TEST_CASE("overlaps: triangles with a common vertex and triangles without area do not count") {
-  Mesh fan = shapes::joined(shapes::triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), shapes::triangle({0, 0, 0}, {1, 0.1, 0}, {0, 1, 0}));
+  Mesh fan = shapes::joined(shapes::triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
+                            shapes::triangle({0, 0, 0}, {1, 0.1, 0}, {0, 1, 0}));
   fan.corner_vertex[3] = 0;
   CHECK(overlaps_of(fan, dropped(fan)).pairs == 0);
   const Mesh flat = shapes::joined(shapes::triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),

@@ -17,7 +17,8 @@ int orient_by_cgal(Vec2 a, Vec2 b, Vec2 c) {
 }  // namespace
 
 TEST_CASE("orient2: agrees with CGAL's exact predicate a few units in the last place around a line") {
-  // Shewchuk's picture: points of a tiny grid near the diagonal, where the rounded determinant has wrong signs.
+  // Shewchuk's picture: points of a tiny grid near the diagonal, where the rounded determinant has wrong
+  // signs.
   constexpr double kUlp = 0x1p-53;
   int disagreements = 0, rounded_wrong = 0;
   for (int i = 0; i < 128; ++i) {

@@ -16,7 +16,8 @@ TEST_CASE("cotangents: are those of the corner angles") {
 }
 
 TEST_CASE("cotangents: products of pairs sum to 1, for needles too") {
-  // cot a cot b + cot b cot c + cot c cot a = 1 holds for the angles of every triangle: floored weights stay those of one.
+  // cot a cot b + cot b cot c + cot c cot a = 1 holds for the angles of every triangle: floored weights stay
+  // those of one.
   for (const double height : {1.0, 1e-3, 1e-5, 1e-9, 0.0}) {
     const Cotangents cot = cotangents(rest_frame({0, 0, 0}, {1, 0, 0}, {0.3, height, 0}));
     const auto& c = cot.at;

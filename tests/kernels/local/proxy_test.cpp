@@ -47,7 +47,8 @@ TEST_CASE("proxy: no rotation is closer than the closest one") {
     const Case c = random_case(random);
     const double least = arap_energy(c);
     for (int i = 0; i < 64; ++i) {
-      CHECK(proxy_forces(c.z, c.cot.at.data(), c.frame, unit(2 * kPi * i / 64)).energy >= least * (1 - 1e-12));
+      CHECK(proxy_forces(c.z, c.cot.at.data(), c.frame, unit(2 * kPi * i / 64)).energy >=
+            least * (1 - 1e-12));
     }
   }
 }
@@ -90,7 +91,8 @@ TEST_CASE("proxy: an isometric image has no energy and no force, for a needle to
 TEST_CASE("svd2: signed singular values give norm and determinant of the matrix") {
   shapes::Random random(4);
   for (int k = 0; k < 1000; ++k) {
-    const Mat2 m{random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5};
+    const Mat2 m{random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5,
+                 random.uniform() - 0.5};
     const SingularValues s = singular_values(m);
     CHECK(s.sigma_max >= std::abs(s.sigma_min));
     CHECK(s.sigma_max * s.sigma_min == Approx(determinant(m)));

@@ -25,7 +25,8 @@ struct RandomPanel {
 
 }  // namespace
 
-TEST_CASE("supernode: forward and backward panels invert the lower triangle and apply the rows below, all shapes") {
+TEST_CASE(
+    "supernode: forward and backward panels invert the lower triangle and apply the rows below, all shapes") {
   shapes::Random random(11);
   for (Index columns = 1; columns <= 9; ++columns) {
     for (Index below = 0; below <= 11; ++below) {

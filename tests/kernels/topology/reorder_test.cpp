@@ -21,7 +21,8 @@ TEST_CASE("reorder: along the Hilbert curve consecutive cells of a full cube are
   for (std::size_t i = 1; i < cells.size(); ++i) {
     unsigned steps = 0;
     for (int k = 0; k < 3; ++k) {
-      steps += static_cast<unsigned>(std::abs(static_cast<int>(cells[i].second[k]) - static_cast<int>(cells[i - 1].second[k])));
+      steps += static_cast<unsigned>(
+          std::abs(static_cast<int>(cells[i].second[k]) - static_cast<int>(cells[i - 1].second[k])));
     }
     CHECK(steps == 1);
   }

@@ -1,0 +1,207 @@
+// The program from outside: exit codes, one-line errors, files that appear whole or not at all.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "tests/app/program.hpp"
+
+using namespace planish::tests;
+using nlohmann::json;
+
+namespace {
+
+/// A folded quad: two triangles, flattens exactly.
+constexpr const char* kFold = "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+
+bool one_line(const std::string& text) { return !text.empty() && text.find('\n') == text.size() - 1; }
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("program: flatten writes mesh, report, picture and flat mesh, and exits 0") {
+  const Scratch scratch;
+  REQUIRE(run("sample hood --triangles 2000 -o " + scratch.file("hood.ply") + " --features " +
+              scratch.file("c.json"))
+              .code == 0);
+  CHECK(json::parse(content_of(scratch.file("c.json"))).at("version") == 1);
+  for (const std::string extension : {"ply", "obj", "ply.gz"}) {
+    const Ran ran = run("flatten " + scratch.file("hood.ply") + " -o " + scratch.file("out." + extension) +
+                        " --report " + scratch.file("r.json") + " --picture " + scratch.file("p.png") +
+                        " --flat " + scratch.file("f.obj"));
+    CHECK(ran.code == 0);
+    CHECK(ran.err.empty());
+    CHECK(has(ran.out, "flipped 0"));
+    const json report = json::parse(content_of(scratch.file("r.json")));
+    CHECK(report.at("converged") == true);
+    CHECK(report.at("mesh").at("boundary_loops") == 1);
+    CHECK(report.at("peak_memory_bytes") > 1'000'000);
+    CHECK(content_of(scratch.file("p.png")).substr(1, 3) == "PNG");
+    CHECK(run("flatten " + scratch.file("out." + extension)).code == 0);  // what we write we read
+    CHECK(run("info " + scratch.file("f.obj")).code == 0);
+  }
+  CHECK(run("flatten " + scratch.file("hood.ply") + " --picture " + scratch.file("p.svg")).code == 0);
+  CHECK(has(content_of(scratch.file("p.svg")), "<svg"));
+}
+
+TEST_CASE("program: the same input gives the same bytes on 1, 2 and 7 threads") {
+  const Scratch scratch;
+  REQUIRE(run("sample fender --triangles 20000 --noise 0.0003 -o " + scratch.file("in.ply")).code == 0);
+  const auto output = [&](const std::string& threads) {
+    run("flatten " + scratch.file("in.ply") + " --threads " + threads + " -o " + scratch.file("out.ply"));
+    return content_of(scratch.file("out.ply"));
+  };
+  const std::string one = output("1");
+  CHECK(one.size() > 20000 * 13);
+  CHECK(output("2") == one);
+  CHECK(output("7") == one);
+}
+
+TEST_CASE("program: usage errors exit with 2, one line, and the nearest known name") {
+  for (const auto& [arguments, part] : {
+           std::pair{"", "no command given"},
+           {"flaten x.obj", "unknown command flaten, did you mean flatten?"},
+           {"flatten", "mesh is required"},
+           {"flatten x.obj --tolerence 1e-3", "unknown option --tolerence, did you mean --tolerance?"},
+           {"flatten x.obj --reprot=a", "unknown option --reprot, did you mean --report?"},
+           {"flatten x.obj y.obj", "unexpected argument y.obj"},
+           {"flatten x.obj --init zero", "--init"},
+           {"flatten x.obj --tolerance -1", "--tolerance"},
+           {"flatten x.obj --threads many", "--threads"},
+           {"flatten x.obj --quiet --progress", "excludes"},
+           {"flatten x.obj -o out.stl", "out.stl cannot be written: its name must end in .ply or .obj"},
+           {"flatten x.obj --picture out.jpg", "its name must end in .png or .svg"},
+           {"sample bumper -o x.ply", "bumper"},
+           {"sample hood --triangles 3 -o x.ply", "--triangles"},
+       }) {
+    CAPTURE(arguments);
+    const Ran ran = run(arguments);
+    CHECK(ran.code == 2);
+    CHECK(ran.out.empty());
+    CHECK_MESSAGE(one_line(ran.err), ran.err);
+    CHECK_MESSAGE(has(ran.err, part), ran.err);
+    CHECK(has(ran.err, "[usage]"));
+  }
+}
+
+TEST_CASE("program: help and version go to stdout") {
+  CHECK(has(run("--help").out, "flatten"));
+  CHECK(has(run("flatten --help").out, "--picture"));
+  CHECK(has(run("--version").out, "planish 0."));
+}
+
+TEST_CASE("program: errors name the file, are one line, leave no file, and are JSON where asked for") {
+  const Scratch scratch;
+  const std::string cube = scratch.file("tetrahedron.obj");
+  write(cube, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  const std::string outputs = " -o " + scratch.file("o.ply") + " --report " + scratch.file("r.json") +
+                              " --picture " + scratch.file("p.png");
+  const Ran plain = run("flatten " + cube + outputs);
+  CHECK(plain.code == 4);
+  CHECK(one_line(plain.err));
+  CHECK(has(plain.err, "tetrahedron.obj: 1 component without boundary (triangle 0); cut it open"));
+  CHECK(scratch.count() == 1);
+  const Ran as_json = run("flatten --json-errors " + cube + outputs);
+  CHECK(as_json.code == 4);
+  const json error = json::parse(as_json.err).at("error");
+  CHECK(error.at("code") == "closed-component");
+  CHECK(error.at("exit_code") == 4);
+  CHECK(error.at("ids") == json({0}));
+  CHECK(json::parse(run("flatten --json-errors --nonsense").err).at("error").at("code") == "usage");
+  CHECK(run("flatten " + scratch.file("absent.obj")).code == 3);
+}
+
+TEST_CASE("program: what cannot be written exits with 7 and leaves nothing") {
+  const Scratch scratch;
+  write(scratch.file("fold.obj"), kFold);
+  const Ran ran = run("flatten " + scratch.file("fold.obj") + " -o " + scratch.file("no/such/folder/o.ply"));
+  CHECK(ran.code == 7);
+  CHECK(one_line(ran.err));
+  CHECK(run("flatten " + scratch.file("fold.obj") + " --report /dev/full").code == 7);
+  CHECK(scratch.count() == 1);
+}
+
+TEST_CASE("program: a tolerance that is not met exits with 6, says so, and writes all the same") {
+  const Scratch scratch;
+  run("sample door --triangles 3000 -o " + scratch.file("door.ply"));
+  const Ran ran = run("flatten " + scratch.file("door.ply") + " --max-iterations 2 -o " +
+                      scratch.file("o.ply") + " --report " + scratch.file("r.json"));
+  CHECK(ran.code == 6);
+  CHECK(has(ran.err, "the tolerance 1e-06 was not met"));
+  CHECK(json::parse(content_of(scratch.file("r.json"))).at("converged") == false);
+  CHECK(json::parse(content_of(scratch.file("r.json"))).at("history").size() == 3);
+}
+
+TEST_CASE("program: info says what a mesh is, as text and as JSON, and exits 0 for unusable ones too") {
+  const Scratch scratch;
+  write(scratch.file("fold.obj"), kFold);
+  CHECK(has(run("info " + scratch.file("fold.obj")).out, "can be flattened"));
+  write(scratch.file("bad.obj"), std::string(kFold) + "f 1 1 2\nf 1 2 3\n");
+  const Ran ran = run("info --json " + scratch.file("bad.obj"));
+  CHECK(ran.code == 0);
+  const json diagnosis = json::parse(ran.out);
+  CHECK(diagnosis.at("usable") == false);
+  std::vector<std::string> codes;
+  for (const json& defect : diagnosis.at("defects")) codes.push_back(defect.at("code"));
+  for (const char* code : {"repeated-vertex", "duplicate-triangle", "non-manifold-edge"}) {
+    CHECK(std::count(codes.begin(), codes.end(), code) == 1);
+  }
+}
+
+#ifdef PLANISH_WITH_CGAL_GPL
+TEST_CASE("program: --repair mends, lists what it did, and writes where things come from") {
+  const Scratch scratch;
+  write(scratch.file("bad.obj"), std::string(kFold) + "f 1 1 2\nf 1 2 3\n");
+  const Ran ran = run("flatten --repair " + scratch.file("bad.obj") + " -o " + scratch.file("o.ply") +
+                      " --report " + scratch.file("r.json"));
+  CHECK(ran.code == 0);
+  CHECK(has(ran.out, "repaired: 1 "));
+  CHECK(json::parse(content_of(scratch.file("r.json"))).at("repairs").size() == 2);
+  CHECK(has(content_of(scratch.file("o.ply")).substr(0, 1000), "property int origin_triangle"));
+}
+#endif
+
+TEST_CASE("program: progress lines only where asked for, nothing at all with --quiet") {
+  const Scratch scratch;
+  write(scratch.file("fold.obj"), kFold);
+  CHECK(run("flatten " + scratch.file("fold.obj")).err.empty());
+  CHECK(has(run("flatten --progress " + scratch.file("fold.obj")).err, "local_global iteration"));
+  const Ran quiet = run("flatten --quiet " + scratch.file("fold.obj"));
+  CHECK(quiet.out.empty());
+  CHECK(quiet.err.empty());
+}
+
+TEST_CASE("program: an interrupt ends it within a second with 130 and no half-written file") {
+  const Scratch scratch;
+  REQUIRE(run("sample hood --triangles 300000 --noise 0.0005 -o " + scratch.file("in.ply")).code == 0);
+  const Ran ran = run("flatten --tolerance 1e-14 " + scratch.file("in.ply") + " -o " + scratch.file("o.ply"),
+                      "timeout --preserve-status -s INT 1 ");
+  CHECK(ran.code == 130);
+  CHECK(scratch.count() == 1);
+}
+
+TEST_CASE("program: what passes through: colours, quality, groups, materials, earlier uv") {
+  const Scratch scratch;
+  write(scratch.file("in.ply"),
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float quality\nproperty "
+        "float s\nproperty float t\n"
+        "element face 2\nproperty list uchar int vertex_indices\nproperty int label\nend_header\n"
+        "0 0 0 1 2 3 0.5 0 0\n1 0 0 4 5 6 0.25 1 0\n1 1 0.5 7 8 9 0 1 1\n0 1 0 10 11 12 1 0 1\n3 0 1 2 77\n3 "
+        "0 2 3 78\n");
+  REQUIRE(run("flatten " + scratch.file("in.ply") + " -o " + scratch.file("o.ply")).code == 0);
+  const std::string header = content_of(scratch.file("o.ply")).substr(0, 1200);
+  for (const char* line : {"property uchar red", "property float quality", "property double s",
+                           "property int label", "texture_u"}) {
+    CHECK_MESSAGE(has(header, line), header);
+  }
+  write(scratch.file("in.obj"),
+        std::string("mtllib car.mtl\n") +
+            "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\ng skin\nusemtl red\nf 1 2 3\ng rim\nf 1 3 4\n");
+  REQUIRE(run("flatten " + scratch.file("in.obj") + " -o " + scratch.file("o.obj")).code == 0);
+  const std::string obj = content_of(scratch.file("o.obj"));
+  for (const char* line :
+       {"mtllib car.mtl\n", "g skin\nusemtl red\nf 1/1 2/2 3/3\n", "g rim\nf 1/1 3/3 4/4\n"})
+    CHECK_MESSAGE(has(obj, line), obj);
+}
