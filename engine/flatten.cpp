@@ -157,21 +157,25 @@ class Run {
       result_.holonomy_residual = rotations->holonomy_residual;
       global_.emplace(std::move(*global));
       laplacian_ = {};
-      order_ = {};
       return {};
     });
   }
 
   Result<void> minimise() {
     return timed(Phase::LocalGlobal, [&]() -> Result<void> {
-      const ArapEnergy energy{.corner_vertex = mesh().corner_vertex,
-                              .stars = prepared_.topology.stars(),
-                              .star_corner = prepared_.topology.star_corner,
-                              .frame = geometry_.frame,
-                              .cotangent = geometry_.cotangent,
-                              .fixed = components_.held,
-                              .area = geometry_.area};
-      auto minimum = minimise_arap(exec_, energy, *global_, rotation_, options_, monitor_);
+      const ArapProblem problem{.energy = {.corner_vertex = mesh().corner_vertex,
+                                           .stars = prepared_.topology.stars(),
+                                           .star_corner = prepared_.topology.star_corner,
+                                           .frame = geometry_.frame,
+                                           .cotangent = geometry_.cotangent,
+                                           .fixed = components_.held,
+                                           .area = geometry_.area},
+                                .global = &*global_,
+                                .rotation = rotation_,
+                                .order = order_,
+                                .vertex_component = components_.of,
+                                .num_components = prepared_.topology.num_components};
+      auto minimum = minimise_arap(exec_, problem, options_, monitor_);
       if (!minimum) return fail(minimum.error());
       global_.reset();
       uv_ = std::move(minimum->uv);

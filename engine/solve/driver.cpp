@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/solve/newton.hpp"
 #include "engine/solve/quasi_newton.hpp"
 
 namespace planish {
@@ -14,48 +15,85 @@ constexpr int kMostHalvings = 20;
 /// Relative error of an energy sum: steps that change less than this are judged by their slope alone.
 constexpr double kEnergyRounding = 1e-14;
 
+// Newton steps take over when the rate of the last kWatched steps promises more than kPatience further ones.
+// A Newton step costs as much as some 50 to 100 others, and a few of them suffice.
+constexpr int kWatched = 40;
+constexpr double kPatience = 300;
+/// Near a minimum far fewer suffice; where flips keep the Hessian from its true form, more would not help
+/// either, and the cheap steps go on.
+constexpr int kMostNewtonSteps = 12;
+/// Above this size the coupled factor takes more memory than the whole rest.
+constexpr Index kMostNewtonVertices = 1'000'000;
+
+bool promises_long_way(const std::vector<Iterate>& history, double tolerance) {
+  if (history.size() <= 2 * kWatched) return false;
+  const double now = history.back().gradient, before = history[history.size() - 1 - kWatched].gradient;
+  const double digits_a_step = std::log(before / now) / kWatched;
+  return std::log(now / tolerance) > kPatience * digits_a_step;
+}
+
 class Iteration {
  public:
-  Iteration(const Exec& exec, const ArapEnergy& energy, const GlobalPhase& global, int memory)
+  Iteration(const Exec& exec, const ArapProblem& problem)
       : exec_(exec),
-        area_(energy.area),
-        global_(global),
-        local_(exec, energy),
-        quasi_newton_(exec, memory),
-        uv_(energy.num_vertices()),
+        problem_(problem),
+        local_(exec, problem.energy),
+        quasi_newton_(exec, kQuasiNewtonMemory),
+        uv_(problem.energy.num_vertices()),
         force_(uv_.size()),
         descent_(uv_.size()),
         direction_(uv_.size()) {}
 
-  void start(In<Vec2> rotation) {
-    local_.evaluate_rotations(rotation, force_);
+  void start() {
+    local_.evaluate_rotations(problem_.rotation, force_);
     solve();
     uv_ = descent_;
     energy_ = local_.evaluate(uv_, force_);
     solve();
   }
 
-  /// DESIGN 3.5: sqrt(g^T H^-1 g / E) with g = 2 force and H = 2 L.
+  /// DESIGN 3.5: sqrt(g^T H^-1 g / E) with g = 2 force and H twice the matrix factored last.
   double gradient() const {
     const double decrement = std::max(0.0, -2 * dot(exec_, force_, descent_));
-    return std::sqrt(decrement / std::max(energy_, kEnergyFloor * area_));
+    return std::sqrt(decrement / std::max(energy_, kEnergyFloor * problem_.energy.area));
   }
 
   /// One step along the quasi-Newton direction, or along the plain global step where that one fails to
   /// descend. False where not even that lowers the energy: rounding is reached.
   bool advance() {
     quasi_newton_.direction(force_, descent_, direction_);
-    if (descend_along(direction_)) return true;
-    quasi_newton_.forget();
-    return descend_along(descent_);
+    if (!descend_along(direction_)) {
+      quasi_newton_.forget();
+      if (!descend_along(descent_)) return false;
+    }
+    learn();
+    return true;
   }
 
-  double energy() const { return energy_ / area_; }
+  /// Makes descent_ the Newton direction at uv_.
+  Result<void> prepare_newton() {
+    if (!newton_) {
+      newton_.emplace(exec_, problem_.energy, problem_.order, problem_.vertex_component,
+                      problem_.num_components);
+    }
+    return newton_->direction(uv_, force_, descent_);
+  }
+
+  bool advance_newton() { return descend_along(descent_); }
+
+  /// Back to quasi-Newton steps, from the point where the Newton steps ended.
+  void resume() {
+    newton_.reset();
+    quasi_newton_.forget();
+    solve();
+  }
+
+  double energy() const { return energy_ / problem_.energy.area; }
   std::vector<Vec2> take_uv() { return std::move(uv_); }
 
  private:
   void solve() {
-    global_.solve(exec_, force_, descent_);
+    problem_.global->solve(exec_, force_, descent_);
     exec_.for_blocks(static_cast<Index>(descent_.size()), kBlock, [&](Index, Range r) {
       for (Index v = r.begin; v < r.end; ++v) descent_[v] = -descent_[v];
     });
@@ -64,65 +102,114 @@ class Iteration {
   bool descend_along(In<Vec2> direction) {
     const double slope = 2 * dot(exec_, force_, direction);  // force is half the gradient
     if (!(slope < 0)) return false;
-    std::vector<Vec2> trial(uv_.size()), trial_force(uv_.size());
+    before_.resize(uv_.size());
+    force_before_.resize(uv_.size());
     double length = 1;
     for (int halving = 0; halving < kMostHalvings; ++halving, length *= 0.5) {
-      combine(exec_, uv_, {{length, direction}}, trial);
-      const double trial_energy = local_.evaluate(trial, trial_force);
+      combine(exec_, uv_, {{length, direction}}, before_);
+      const double trial_energy = local_.evaluate(before_, force_before_);
       const double wanted = energy_ + kSufficientDecrease * length * slope + kEnergyRounding * energy_;
       if (!(trial_energy <= wanted)) continue;
-      accept(std::move(trial), std::move(trial_force), trial_energy);
+      uv_.swap(before_);
+      force_.swap(force_before_);
+      energy_ = trial_energy;
       return true;
     }
     return false;
   }
 
-  /// Moves to the trial point; what remains of the old one becomes the pair that the quasi-Newton directions
-  /// learn.
-  void accept(std::vector<Vec2> trial, std::vector<Vec2> trial_force, double trial_energy) {
-    uv_.swap(trial);
-    force_.swap(trial_force);
-    energy_ = trial_energy;
-    std::vector<Vec2> solve_change = descent_;
+  /// Solves at the new point; the changes since the old one are what the quasi-Newton directions learn from.
+  void learn() {
+    std::vector<Vec2> solved_change = descent_;
     solve();
     exec_.for_blocks(static_cast<Index>(uv_.size()), kBlock, [&](Index, Range r) {
       for (Index v = r.begin; v < r.end; ++v) {
-        trial[v] = uv_[v] - trial[v];
-        trial_force[v] = force_[v] - trial_force[v];
-        solve_change[v] = solve_change[v] - descent_[v];
+        before_[v] = uv_[v] - before_[v];
+        force_before_[v] = force_[v] - force_before_[v];
+        solved_change[v] = solved_change[v] - descent_[v];
       }
     });
-    quasi_newton_.add(std::move(trial), std::move(trial_force), std::move(solve_change));
+    quasi_newton_.add(std::move(before_), std::move(force_before_), std::move(solved_change));
+    before_.clear();
+    force_before_.clear();
   }
 
   const Exec& exec_;
-  double area_;
-  const GlobalPhase& global_;
+  const ArapProblem& problem_;
   LocalPhase local_;
   QuasiNewton quasi_newton_;
-  std::vector<Vec2> uv_, force_, descent_, direction_;  // descent_ = -L^-1 force_
+  std::optional<NewtonDirections> newton_;
+  std::vector<Vec2> uv_, force_, descent_, direction_;  // descent_ = -H^-1 force_, H the matrix factored last
+  std::vector<Vec2> before_, force_before_;  // trial point while searching, then the point left behind
   double energy_ = 0;
+};
+
+/// The loop around the steps: what is recorded, reported and tested between them.
+class Loop {
+ public:
+  Loop(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options, const Monitor& monitor)
+      : problem_(problem), options_(options), monitor_(monitor), iteration_(exec, problem) {}
+
+  Result<Minimum> operator()() {
+    iteration_.start();
+    bool newton_may_help = problem_.energy.num_vertices() <= kMostNewtonVertices;
+    while (true) {
+      if (auto recorded = record(); !recorded) return fail(recorded.error());
+      if (finished()) break;
+      if (newton_may_help && promises_long_way(minimum_.history, options_.tolerance)) {
+        newton_may_help = false;
+        if (auto done = newton(); !done) return fail(done.error());
+        if (finished()) break;
+        iteration_.resume();
+      }
+      if (!iteration_.advance()) break;
+      ++steps_;
+    }
+    minimum_.uv = iteration_.take_uv();
+    return std::move(minimum_);
+  }
+
+ private:
+  bool finished() const { return minimum_.converged || steps_ >= options_.max_iterations; }
+
+  Result<void> record() {
+    minimum_.gradient = iteration_.gradient();
+    minimum_.converged = minimum_.gradient <= options_.tolerance;
+    minimum_.history.push_back({steps_, iteration_.energy(), minimum_.gradient});
+    const Progress progress{Phase::LocalGlobal, steps_, iteration_.energy(), minimum_.gradient};
+    if (monitor_ && monitor_(progress) == Verdict::Stop)
+      return fail(ErrorCode::Cancelled, "stopped by the caller");
+    return {};
+  }
+
+  Result<void> newton() {
+    for (int k = 0; k <= kMostNewtonSteps; ++k) {
+      auto prepared = iteration_.prepare_newton();
+      if (!prepared && prepared.error().code == ErrorCode::FactorizationFailed)
+        return {};  // the cheap steps go on
+      if (!prepared) return prepared;
+      minimum_.history.pop_back();  // the same point, now measured with the Hessian
+      if (auto recorded = record(); !recorded) return recorded;
+      if (finished() || k == kMostNewtonSteps || !iteration_.advance_newton()) return {};
+      ++steps_;
+      minimum_.history.push_back({steps_, iteration_.energy(), 0});
+    }
+    return {};
+  }
+
+  const ArapProblem& problem_;
+  const FlattenOptions& options_;
+  const Monitor& monitor_;
+  Iteration iteration_;
+  Minimum minimum_;
+  int steps_ = 0;
 };
 
 }  // namespace
 
-Result<Minimum> minimise_arap(const Exec& exec, const ArapEnergy& energy, const GlobalPhase& global,
-                              In<Vec2> rotation, const FlattenOptions& options, const Monitor& monitor,
-                              int memory) {
-  Iteration iteration(exec, energy, global, memory);
-  iteration.start(rotation);
-  Minimum minimum;
-  for (int k = 0;; ++k) {
-    minimum.gradient = iteration.gradient();
-    minimum.history.push_back({k, iteration.energy(), minimum.gradient});
-    minimum.converged = minimum.gradient <= options.tolerance;
-    if (monitor && monitor({Phase::LocalGlobal, k, iteration.energy(), minimum.gradient}) == Verdict::Stop) {
-      return fail(ErrorCode::Cancelled, "stopped by the caller");
-    }
-    if (minimum.converged || k >= options.max_iterations || !iteration.advance()) break;
-  }
-  minimum.uv = iteration.take_uv();
-  return minimum;
+Result<Minimum> minimise_arap(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options,
+                              const Monitor& monitor) {
+  return Loop(exec, problem, options, monitor)();
 }
 
 }  // namespace planish

@@ -15,6 +15,16 @@ namespace planish {
 /// Pairs the quasi-Newton directions remember; measured, see perf/README.md.
 inline constexpr int kQuasiNewtonMemory = 6;
 
+/// What the outer loop works with.
+struct ArapProblem {
+  ArapEnergy energy;
+  const GlobalPhase* global = nullptr;
+  In<Vec2> rotation;           ///< [T] first rotations
+  In<Index> order;             ///< fill-reducing order of the vertices
+  In<Index> vertex_component;  ///< [V]
+  Index num_components = 1;
+};
+
 struct Minimum {
   std::vector<Vec2> uv;  ///< [V]
   std::vector<Iterate> history;
@@ -22,12 +32,12 @@ struct Minimum {
   double gradient = 0;
 };
 
-/// Starts with the global solve for `rotation` [T], then iterates until the gradient (DESIGN 3.5) is at most
-/// options.tolerance or options.max_iterations steps are done. The energy never rises
-/// beyond rounding.
-/// Fails: Cancelled.   Cost: one solve and one or more local phases a step.
-Result<Minimum> minimise_arap(const Exec& exec, const ArapEnergy& energy, const GlobalPhase& global,
-                              In<Vec2> rotation, const FlattenOptions& options, const Monitor& monitor,
-                              int memory = kQuasiNewtonMemory);
+/// Starts with the global solve for the first rotations, then takes quasi-Newton local/global steps until the
+/// gradient (DESIGN 3.5) is at most options.tolerance or options.max_iterations steps are done. Where the
+/// steps so far promise hundreds more, Newton steps take over. The energy never rises beyond rounding. Fails:
+/// Cancelled, OutOfMemory.   Cost: one solve and one or more local phases a step; one factorization of twice
+/// the size a Newton step.
+Result<Minimum> minimise_arap(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options,
+                              const Monitor& monitor);
 
 }  // namespace planish

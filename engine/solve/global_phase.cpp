@@ -118,25 +118,31 @@ GlobalPhase& GlobalPhase::operator=(GlobalPhase&&) noexcept = default;
 GlobalPhase::~GlobalPhase() = default;
 
 Result<GlobalPhase> GlobalPhase::factor(const SymmetricMatrix& matrix, In<Index> order) {
-  auto result = std::make_unique<Factor>();
-  cholmod_common& common = result->cholmod.common;
+  auto analysed = std::make_unique<Factor>();
+  cholmod_sparse sparse = planish::view(matrix);
+  analysed->factor =
+      cholmod_analyze_p(&sparse, const_cast<Index*>(order.data()), nullptr, 0, &analysed->cholmod.common);
+  if (!analysed->factor) return out_of_memory("analysis");
+  analysed->tree = SupernodeTree(analysed->view());
+  GlobalPhase result(std::move(analysed));
+  if (auto factored = result.refactor(matrix); !factored) return fail(factored.error());
+  return result;
+}
+
+Result<void> GlobalPhase::refactor(const SymmetricMatrix& matrix) {
+  cholmod_common& common = factor_->cholmod.common;
   cholmod_sparse sparse = planish::view(matrix);
   const OneBlasThread one_thread;
-  result->factor = cholmod_analyze_p(&sparse, const_cast<Index*>(order.data()), nullptr, 0, &common);
-  if (!result->factor) return out_of_memory("analysis");
-  cholmod_factorize(&sparse, result->factor, &common);
+  cholmod_factorize(&sparse, factor_->factor, &common);
   if (common.status == CHOLMOD_OUT_OF_MEMORY) return out_of_memory("values");
-  if (common.status != CHOLMOD_OK) {
-    const auto pivot = static_cast<const Index*>(result->factor->Perm)[result->factor->minor];
-    return fail(Error{.code = ErrorCode::FactorizationFailed,
-                      .what = "the Laplacian is not positive definite",
-                      .place = {},
-                      .element = ElementKind::Vertex,
-                      .ids = {pivot},
-                      .count = 1});
-  }
-  result->tree = SupernodeTree(result->view());
-  return GlobalPhase(std::move(result));
+  if (common.status == CHOLMOD_OK) return {};
+  const Index pivot = static_cast<const Index*>(factor_->factor->Perm)[factor_->factor->minor];
+  return fail(Error{.code = ErrorCode::FactorizationFailed,
+                    .what = "the matrix is not positive definite",
+                    .place = {},
+                    .element = ElementKind::Vertex,
+                    .ids = {pivot},
+                    .count = 1});
 }
 
 void GlobalPhase::solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const {

@@ -22,6 +22,10 @@ class GlobalPhase {
   /// Symbolic analysis and factorization with a given order.
   /// Fails: FactorizationFailed naming the row of the bad pivot (as Error::ids); OutOfMemory.
   static Result<GlobalPhase> factor(const SymmetricMatrix& matrix, In<Index> order);
+  /// Factors another matrix of the same pattern; the analysis is kept. After a failure only refactor may be
+  /// called. Fails: as factor().
+  Result<void> refactor(const SymmetricMatrix& matrix);
+
   GlobalPhase(GlobalPhase&&) noexcept;
   GlobalPhase& operator=(GlobalPhase&&) noexcept;
   ~GlobalPhase();

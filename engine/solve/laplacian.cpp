@@ -2,13 +2,10 @@
 
 #include <algorithm>
 
+#include "engine/solve/columns.hpp"
+
 namespace planish {
 namespace {
-
-struct Entry {
-  Index row;
-  double value;
-};
 
 /// Neighbours of v across each edge once, with the half-edge that names the edge.
 template <class Visit>
@@ -32,36 +29,6 @@ void add_vertex(Index v, Index j, In<Index> corner_vertex, const Topology& topol
   });
 }
 
-void merge_rows(std::vector<Entry>& column) {
-  std::sort(column.begin() + 1, column.end(), [](const Entry& a, const Entry& b) { return a.row < b.row; });
-  std::size_t last = 0;
-  for (std::size_t k = 1; k < column.size(); ++k) {
-    if (column[k].row == column[last].row) {
-      column[last].value += column[k].value;
-    } else {
-      column[++last] = column[k];
-    }
-  }
-  column.resize(last + 1);
-}
-
-SymmetricMatrix concatenate(const Exec& exec, Index n, std::vector<std::vector<Entry>>& block_entries,
-                            std::vector<Index>& column_size) {
-  SymmetricMatrix matrix;
-  matrix.column_begin = exclusive_scan(column_size);
-  matrix.row.resize(matrix.column_begin[n]);
-  matrix.value.resize(matrix.column_begin[n]);
-  exec.for_blocks(n, kBlock, [&](Index block, Range r) {
-    Index k = matrix.column_begin[r.begin];
-    for (const Entry& e : block_entries[block]) {
-      matrix.row[k] = e.row;
-      matrix.value[k++] = e.value;
-    }
-    block_entries[block] = {};
-  });
-  return matrix;
-}
-
 }  // namespace
 
 SymmetricMatrix quotient_laplacian(const Exec& exec, In<Index> corner_vertex, const Topology& topology,
@@ -71,9 +38,7 @@ SymmetricMatrix quotient_laplacian(const Exec& exec, In<Index> corner_vertex, co
   for (Index v = 0; v < num_vertices; ++v) {
     if (node[v] >= num_vertices) members[node[v] - num_vertices].push_back(v);
   }
-  std::vector<std::vector<Entry>> block_entries(Exec::num_blocks(num_nodes, kBlock));
-  std::vector<Index> column_size(num_nodes);
-  exec.for_blocks(num_nodes, kBlock, [&](Index block, Range r) {
+  return gather_columns(exec, num_nodes, [&](Range r, ColumnSink& sink) {
     std::vector<Entry> column;
     for (Index j = r.begin; j < r.end; ++j) {
       column.assign(1, {j, 0});
@@ -87,11 +52,9 @@ SymmetricMatrix quotient_laplacian(const Exec& exec, In<Index> corner_vertex, co
         column.front().value = 1;
       }
       merge_rows(column);
-      column_size[j] = static_cast<Index>(column.size());
-      block_entries[block].insert(block_entries[block].end(), column.begin(), column.end());
+      sink.add(column);
     }
   });
-  return concatenate(exec, num_nodes, block_entries, column_size);
 }
 
 SymmetricMatrix vertex_laplacian(const Exec& exec, In<Index> corner_vertex, const Topology& topology,

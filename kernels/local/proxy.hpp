@@ -43,6 +43,18 @@ inline ProxyForces proxy_forces(const std::array<Vec2, 3>& z, const double* cota
   return result;
 }
 
+/// Half the Hessian of the triangle's energy with respect to its corners, as blocks [3][3] of 2x2.
+enum class Convexity {
+  True,       ///< the second derivative as it is; indefinite where the triangle is compressed
+  Projected,  ///< its positive semidefinite part: the rotation's term bounded by that of an isometric image
+};
+
+/// With E = 1/2 sum cot |dz|^2 - |s| + constant and s = sum cot dz conj(dx), the Hessian is the Laplacian's
+/// minus k k^T / |s|, k the derivative of s across its own direction; s = 0 is treated as Projected.
+///   Ref: closed form of the 2x2 ARAP Hessian, Smith, De Goes and Kim 2019, in complex numbers.
+std::array<std::array<Mat2, 3>, 3> proxy_hessian(const std::array<Vec2, 3>& z, const double* cotangent,
+                                                 const RestFrame& frame, Convexity convexity);
+
 /// Local phase of triangles r: forces of every corner for its closest rotation; returns the energy of r.
 ///   uv [V];  corner_vertex [3 T];  cotangent [3 T];  frame [T];  force [3 T] out, half the energy's
 ///   gradient.

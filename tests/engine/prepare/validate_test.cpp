@@ -145,7 +145,7 @@ TEST_CASE("validate: the refusal names the first ids, the number of all, the oth
   for (const Index t : {3, 4, 5, 6, 7, 8, 9}) mesh.corner_vertex[3 * t] = mesh.corner_vertex[3 * t + 1];
   const std::string text = describe(refusal(diagnosis_of(mesh)));
   CHECK(text.find("7 triangles name a vertex twice") == 0);
-  CHECK(text.find("(triangles 3, 4, 5, 6, 7 and 2 more); use --repair") != std::string::npos);
+  CHECK(text.find("(triangles 3, 4, 5, 6, 7 and 2 more); also ") != std::string::npos);
   CHECK(text.find("[repeated-vertex]") != std::string::npos);
 }
 

@@ -75,6 +75,61 @@ TEST_CASE("proxy: forces are half the gradient by finite differences, and sum to
   }
 }
 
+TEST_CASE("proxy: the true Hessian is half the second derivative by finite differences of the forces") {
+  shapes::Random random(6);
+  for (int k = 0; k < 200; ++k) {
+    const Case c = random_case(random);
+    const double* cot = c.cot.at.data();
+    const auto hessian = proxy_hessian(c.z, cot, c.frame, Convexity::True);
+    const auto forces_at = [&](int corner, Vec2 by) {
+      auto z = c.z;
+      z[corner] += by;
+      return proxy_forces(z, cot, c.frame, closest_rotation(z, cot, c.frame)).force;
+    };
+    constexpr double kStep = 1e-6;
+    double scale = 0;
+    for (const auto& row : hessian) {
+      for (const Mat2& block : row) scale = std::max(scale, squared_norm(block));
+    }
+    for (int j = 0; j < 3; ++j) {
+      const auto right = forces_at(j, {kStep, 0}), left = forces_at(j, {-kStep, 0});
+      const auto up = forces_at(j, {0, kStep}), down = forces_at(j, {0, -kStep});
+      for (int i = 0; i < 3; ++i) {
+        const Vec2 du = (0.5 / kStep) * (right[i] - left[i]), dv = (0.5 / kStep) * (up[i] - down[i]);
+        const Mat2& block = hessian[i][j];
+        const Mat2 difference{block.m00 - du.x, block.m01 - dv.x, block.m10 - du.y, block.m11 - dv.y};
+        CHECK(squared_norm(difference) < 1e-6 * scale);
+      }
+    }
+  }
+}
+
+TEST_CASE(
+    "proxy: the projected Hessian is positive semidefinite, and the true one where nothing is compressed") {
+  shapes::Random random(7);
+  for (int k = 0; k < 500; ++k) {
+    Case c = random_case(random);
+    const double* cot = c.cot.at.data();
+    const auto projected = proxy_hessian(c.z, cot, c.frame, Convexity::Projected);
+    for (int trial = 0; trial < 20; ++trial) {
+      std::array<Vec2, 3> d;
+      for (Vec2& x : d) x = {random.uniform() - 0.5, random.uniform() - 0.5};
+      double form = 0, size = 0;
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+          const Mat2& b = projected[i][j];
+          form += d[i].x * (b.m00 * d[j].x + b.m01 * d[j].y) + d[i].y * (b.m10 * d[j].x + b.m11 * d[j].y);
+          size = std::max(size, squared_norm(b));
+        }
+      }
+      CHECK(form > -1e-12 * std::sqrt(size));
+    }
+    for (Vec2& z : c.z) z = 100.0 * z;
+    CHECK(proxy_hessian(c.z, cot, c.frame, Convexity::Projected)[0][1].m01 ==
+          proxy_hessian(c.z, cot, c.frame, Convexity::True)[0][1].m01);
+  }
+}
+
 TEST_CASE("proxy: an isometric image has no energy and no force, for a needle too") {
   for (const double height : {0.7, 1e-7}) {
     const RestFrame frame{1, 0.4, height};
