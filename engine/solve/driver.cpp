@@ -106,7 +106,7 @@ class Iteration {
     force_before_.resize(uv_.size());
     double length = 1;
     for (int halving = 0; halving < kMostHalvings; ++halving, length *= 0.5) {
-      combine(exec_, uv_, {{length, direction}}, before_);
+      combine(exec_, {{1, uv_}, {length, direction}}, before_);
       const double trial_energy = local_.evaluate(before_, force_before_);
       const double wanted = energy_ + kSufficientDecrease * length * slope + kEnergyRounding * energy_;
       if (!(trial_energy <= wanted)) continue;

@@ -13,7 +13,7 @@
 namespace planish {
 
 /// Pairs the quasi-Newton directions remember; measured, see perf/README.md.
-inline constexpr int kQuasiNewtonMemory = 6;
+inline constexpr int kQuasiNewtonMemory = 3;
 
 /// What the outer loop works with.
 struct ArapProblem {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "kernels/base/offsets.hpp"
+#include "kernels/base/sums.hpp"
+
 namespace planish {
 
 std::vector<double> dots(const Exec& exec, const std::vector<std::pair<In<Vec2>, In<Vec2>>>& pairs) {
@@ -11,13 +14,7 @@ std::vector<double> dots(const Exec& exec, const std::vector<std::pair<In<Vec2>,
   std::vector<double> partial(pairs.size() * num_blocks);  // one row a pair
   exec.for_blocks(n, kBlock, [&](Index block, Range r) {
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const auto& [a, b] = pairs[k];
-      double sum_x = 0, sum_y = 0;
-      for (Index i = r.begin; i < r.end; ++i) {
-        sum_x += a[i].x * b[i].x;
-        sum_y += a[i].y * b[i].y;
-      }
-      partial[k * num_blocks + block] = sum_x + sum_y;
+      partial[k * num_blocks + block] = dot(slice(pairs[k].first, r), slice(pairs[k].second, r));
     }
   });
   std::vector<double> result(pairs.size());
@@ -29,11 +26,11 @@ std::vector<double> dots(const Exec& exec, const std::vector<std::pair<In<Vec2>,
 
 double dot(const Exec& exec, In<Vec2> a, In<Vec2> b) { return dots(exec, {{a, b}}).front(); }
 
-void combine(const Exec& exec, In<Vec2> first, const std::vector<Scaled>& others, Out<Vec2> sum) {
-  exec.for_blocks(static_cast<Index>(first.size()), kBlock, [&](Index, Range r) {
-    std::copy(first.begin() + r.begin, first.begin() + r.end, sum.begin() + r.begin);
-    for (const Scaled& other : others) {
-      for (Index i = r.begin; i < r.end; ++i) sum[i] += other.scale * other.vector[i];
+void combine(const Exec& exec, const std::vector<Scaled>& terms, Out<Vec2> sum) {
+  exec.for_blocks(static_cast<Index>(sum.size()), kBlock, [&](Index, Range r) {
+    for (Index i = r.begin; i < r.end; ++i) sum[i] = terms.front().scale * terms.front().vector[i];
+    for (std::size_t k = 1; k < terms.size(); ++k) {
+      for (Index i = r.begin; i < r.end; ++i) sum[i] += terms[k].scale * terms[k].vector[i];
     }
   });
 }
@@ -92,17 +89,20 @@ void QuasiNewton::direction(In<Vec2> force, In<Vec2> d, Out<Vec2> direction) con
     for (std::size_t j = i + 1; j < m; ++j) s_q -= alpha[j] * step_times_change(i, j);
     alpha[i] = s_q / pairs_[i].curvature();
   }
+  // The energy curves less than the Laplacian, down to half as much where triangles turn: the scale follows the
+  // newest pair, which halves the number of steps (perf/README.md).
+  const double scale = m > 0 ? pairs_[m - 1].curvature() / change_times_solved(m - 1, m - 1) : 1;
+  std::vector<Scaled> terms = {{scale, d}};
+  for (std::size_t j = 0; j < m; ++j) terms.push_back({scale * alpha[j], pairs_[j].solved_change});
   // Second loop: direction += slope_k s_k.
-  std::vector<Scaled> terms;
   for (std::size_t k = 0; k < m; ++k) {
-    double y_direction = product[2 * k + 1];
-    for (std::size_t j = 0; j < m; ++j) y_direction += alpha[j] * change_times_solved(k, j);
+    double y_direction = scale * product[2 * k + 1];
+    for (std::size_t j = 0; j < m; ++j) y_direction += scale * alpha[j] * change_times_solved(k, j);
     for (std::size_t j = 0; j < k; ++j) y_direction += slope[j] * step_times_change(j, k);
     slope[k] = -alpha[k] - y_direction / pairs_[k].curvature();
-    terms.push_back({alpha[k], pairs_[k].solved_change});
     terms.push_back({slope[k], pairs_[k].step});
   }
-  combine(exec_, d, terms, direction);
+  combine(exec_, terms, direction);
 }
 
 }  // namespace planish

@@ -13,19 +13,19 @@ std::vector<double> dots(const Exec& exec, const std::vector<std::pair<In<Vec2>,
 
 double dot(const Exec& exec, In<Vec2> a, In<Vec2> b);
 
-/// sum = first + the scaled vectors, in one sweep.
+/// sum = the scaled vectors added up in their order, in one sweep; sum may not be one of them.
 struct Scaled {
   double scale = 0;
   In<Vec2> vector;
 };
-void combine(const Exec& exec, In<Vec2> first, const std::vector<Scaled>& others, Out<Vec2> sum);
+void combine(const Exec& exec, const std::vector<Scaled>& terms, Out<Vec2> sum);
 
-/// L-BFGS whose initial inverse Hessian is the global solve itself: the first direction is a plain
-/// local/global step, later ones bend it by what the last steps taught. Needs no solve of its own: with d =
-/// -L^-1 f at hand, L^-1 applied to a difference of forces is a difference of d's. The two loops run on dot
-/// products that are kept, so a direction reads every stored vector twice, not once a loop step. Ref: Nocedal
-/// 1980; the proxy as initial Hessian as in Liu, Bouaziz and Kavan 2017; products kept as in Chen, Wang and
-/// Zhou 2014.
+/// L-BFGS whose initial inverse Hessian is the global solve, scaled to the curvature met last: the first direction
+/// is a plain local/global step, later ones bend it by what the last steps taught. Needs no solve of its own: with
+/// d = -L^-1 f at hand, L^-1 applied to a difference of forces is a difference of d's. The two loops run on dot
+/// products that are kept, so a direction reads every stored vector twice, not once a loop step.
+/// Ref: Nocedal 1980; the proxy as initial Hessian as in Liu, Bouaziz and Kavan 2017; products kept as in Chen,
+/// Wang and Zhou 2014.
 class QuasiNewton {
  public:
   /// memory: pairs kept, 0 for plain local/global.

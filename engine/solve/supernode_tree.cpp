@@ -9,7 +9,7 @@ namespace {
 
 // Tasks of at most this share of the work: enough of them to keep many cores busy, few enough to add up
 // cheaply.
-constexpr double kSubtreeShare = 1.0 / 32;
+constexpr double kSubtreeShare = 1.0 / 16;
 
 Panel panel(const SupernodalFactor& f, Index s) {
   return {f.super[s + 1] - f.super[s], f.row_begin[s + 1] - f.row_begin[s], f.value + f.value_begin[s]};

@@ -9,4 +9,8 @@ namespace planish {
 ///   value [n] any unit.   Fails: never.   Cost: O(n), no allocation.
 double pairwise_sum(In<double> value);
 
+/// Sum of dot(a[i], b[i]) in several interleaved partial sums, so that additions need not wait for one another.
+///   a, b [n].   Fails: never.   Cost: O(n), no allocation.
+double dot(In<Vec2> a, In<Vec2> b);
+
 }  // namespace planish

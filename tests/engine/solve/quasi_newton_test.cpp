@@ -1,0 +1,72 @@
+#include "engine/solve/quasi_newton.hpp"
+
+#include <Eigen/Dense>
+#include <doctest/doctest.h>
+
+#include "tests/support/shapes.hpp"
+
+using namespace planish;
+
+namespace {
+
+constexpr Index kSize = 12;  // 24 unknowns
+
+std::vector<Vec2> from(const Eigen::VectorXd& x) {
+  std::vector<Vec2> z(kSize);
+  for (Index i = 0; i < kSize; ++i) z[i] = {x[2 * i], x[2 * i + 1]};
+  return z;
+}
+
+Eigen::MatrixXd random_definite(shapes::Random& random) {
+  Eigen::MatrixXd a(2 * kSize, 2 * kSize);
+  for (auto& x : a.reshaped()) x = random.uniform() - 0.5;
+  return a * a.transpose() + 0.5 * Eigen::MatrixXd::Identity(2 * kSize, 2 * kSize);
+}
+
+}  // namespace
+
+TEST_CASE("quasi-Newton: the direction is that of the inverse Hessian formed by explicit BFGS updates") {
+  shapes::Random random(4);
+  const Eigen::MatrixXd laplacian = random_definite(random), hessian = random_definite(random);
+  const Eigen::MatrixXd inverse = laplacian.inverse();
+  const auto random_vector = [&] {
+    Eigen::VectorXd x(2 * kSize);
+    for (auto& value : x) value = random.uniform() - 0.5;
+    return x;
+  };
+  const Exec exec(2);
+  for (const int count : {0, 1, 2, 3, 5}) {  // more pairs than the memory of 3: the oldest are forgotten
+    QuasiNewton quasi_newton(exec, 3);
+    std::vector<std::pair<Eigen::VectorXd, Eigen::VectorXd>> pairs;
+    for (int k = 0; k < count; ++k) {
+      const Eigen::VectorXd s = random_vector(), y = hessian * s;
+      quasi_newton.add(from(s), from(y), from(inverse * y));
+      pairs.emplace_back(s, y);
+      if (pairs.size() > 3) pairs.erase(pairs.begin());
+    }
+    const auto& [s_last, y_last] = pairs.empty() ? std::pair{random_vector(), random_vector()} : pairs.back();
+    const double scale = pairs.empty() ? 1 : s_last.dot(y_last) / y_last.dot(inverse * y_last);
+    Eigen::MatrixXd h = scale * inverse;
+    const auto identity = Eigen::MatrixXd::Identity(2 * kSize, 2 * kSize);
+    for (const auto& [s, y] : pairs) {
+      const double rho = 1 / s.dot(y);
+      h = (identity - rho * s * y.transpose()) * h * (identity - rho * y * s.transpose()) +
+          rho * s * s.transpose();
+    }
+    const Eigen::VectorXd force = random_vector();
+    const auto expected = from(-h * force);
+    std::vector<Vec2> direction(kSize);
+    quasi_newton.direction(from(force), from(-inverse * force), direction);
+    for (Index i = 0; i < kSize; ++i) CHECK(norm(direction[i] - expected[i]) < 1e-9);
+  }
+}
+
+TEST_CASE("quasi-Newton: a pair without positive curvature is not learnt from") {
+  const Exec exec(1);
+  QuasiNewton quasi_newton(exec, 3);
+  const std::vector<Vec2> s(kSize, {1, 0}), y(kSize, {-1, 0}), d(kSize, {0, 2});
+  quasi_newton.add(s, y, y);
+  std::vector<Vec2> direction(kSize);
+  quasi_newton.direction(s, d, direction);
+  CHECK(direction == d);
+}
