@@ -21,7 +21,8 @@ struct PictureOptions {
 /// outlines.
 ///   uv [V];  certificate: its numbers are shown, its flipped triangles marked
 /// Fails: UnknownFormat for other extensions; BadUsage (width, size of uv); NonFinitePosition (uv);
-/// IndexOutOfRange (corners, flipped ids); OutOfMemory; CannotWrite.   Cost: O(T + pixels), 100 bytes a
+/// IndexOutOfRange (corners, flipped ids); OutOfMemory; CannotWrite.
+/// Cost: O(T + pixels), 100 bytes a
 /// triangle.
 Result<void> write_picture(const Exec& exec, const std::string& path, const Surface& surface, In<Vec2> uv,
                            const Certificate& certificate, const PictureOptions& options);

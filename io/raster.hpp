@@ -22,7 +22,8 @@ inline constexpr float kFlippedValue = 2;
 /// where images overlap the last triangle. Pixels take the colour of their samples' mean value.
 ///   corner_vertex [3 T];  point [V] pixels, x right, y down, in [0, width] x [0, height]
 ///   value [T] in [-1, 1] on the diverging scale, or kFlippedValue;  width, height at most 32000
-/// Same bits for any number of threads.   Cost: O(T + sum of the triangles' rows + pixels), 4 to 8 bytes a
+/// Same bits for any number of threads.
+/// Cost: O(T + sum of the triangles' rows + pixels), 4 to 8 bytes a
 /// triangle.
 Raster rasterise(const Exec& exec, In<Index> corner_vertex, In<Vec2> point, In<float> value, int width,
                  int height);

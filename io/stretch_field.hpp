@@ -19,7 +19,8 @@ struct StretchField {
                      ///< the rest area of the triangles that are not flipped
 };
 
-/// flipped: ids of flipped triangles.   Fails: never for indices in range.   Cost: O(T).
+/// flipped: ids of flipped triangles.   Fails: never for indices in range.
+/// Cost: O(T).
 StretchField stretch_field(const Exec& exec, const Surface& surface, In<Vec2> uv, In<Index> flipped);
 
 }  // namespace planish

@@ -7,7 +7,8 @@
 
 namespace planish {
 
-/// Fills boundary_edges, euler, genus and defects.   Cost: O(T).
+/// Fills boundary_edges, euler, genus and defects.
+/// Cost: O(T).
 void find_defects(const Exec& exec, const OrderedMesh& mesh, const Topology& topology, Diagnosis& diagnosis);
 
 }  // namespace planish

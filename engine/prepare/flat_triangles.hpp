@@ -8,7 +8,8 @@ namespace planish {
 
 /// Needles lose their short edge, caps at the border go, the long edge of other caps is flipped; where that
 /// would open a hole or change the topology the triangle stays, for diagnose() to name. Components that are
-/// not manifold and oriented are left alone.  Fails: InternalDefect.
+/// not manifold and oriented are left alone.
+/// Fails: InternalDefect.
 Result<void> remove_flat_triangles(Soup& soup, MendingLog& log);
 
 }  // namespace planish

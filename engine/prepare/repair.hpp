@@ -28,7 +28,8 @@ struct Repair {
 /// and flaps without thickness, turns the smaller part of every sheet that disagrees with itself, splits
 /// non-manifold vertices, removes triangles without area. Attributes, uv sets and statements follow their
 /// elements. What remains (edges of three triangles, Moebius strips, coordinates that are no numbers) is for
-/// diagnose() to name. Fails: NotBuilt without PLANISH_WITH_CGAL_GPL; IndexOutOfRange.  Cost: serial, O(T log
+/// diagnose() to name. Fails: NotBuilt without PLANISH_WITH_CGAL_GPL; IndexOutOfRange.
+/// Cost: serial, O(T log
 /// T).
 Result<Repair> repair(const Mesh& mesh);
 

@@ -47,7 +47,8 @@ struct SampleOptions {
 const std::vector<std::string>& sample_kinds();
 
 /// One component, oriented with the normals outward, one boundary loop (annulus: two), no degenerate
-/// triangle. Fails: BadUsage (unknown kind, too few or too many triangles, negative noise).  Cost: O(T),
+/// triangle. Fails: BadUsage (unknown kind, too few or too many triangles, negative noise).
+/// Cost: O(T),
 /// parallel.
 Result<Sample> make_sample(const Exec& exec, const SampleOptions& options);
 

@@ -6,7 +6,8 @@
 
 namespace planish {
 
-/// Uniform in [0, 1).  Ref: Steele, Lea, Flood 2014, splitmix64.
+/// Uniform in [0, 1).
+/// Ref: Steele, Lea, Flood 2014, splitmix64.
 inline double counter_random(std::uint64_t seed, std::uint64_t index) {
   constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15;
   const auto mix = [](std::uint64_t z) {

@@ -17,11 +17,13 @@ struct RowMesh {
 };
 
 /// Every strip is triangulated from its undisturbed rows; jitter is then taken back at triangles that it
-/// would turn over or flatten, so that all areas in the chart are positive.  Cost: O(T), parallel.
+/// would turn over or flatten, so that all areas in the chart are positive.
+/// Cost: O(T), parallel.
 RowMesh triangulate_rows(const Exec& exec, const RowDomain& domain, const RowPlan& plan, std::uint64_t seed);
 
 /// Flips edges while that enlarges the smallest of the six angles beside them, measured on the surface;
-/// triangles stay positive in the chart. Blocks of strips first, then the seams between blocks.  Cost: O(T),
+/// triangles stay positive in the chart. Blocks of strips first, then the seams between blocks.
+/// Cost: O(T),
 /// parallel.
 void flip_to_larger_angles(const Exec& exec, const RowPlan& plan, In<Vec2> chart, In<Vec3> position,
                            std::vector<Index>& corner_vertex);

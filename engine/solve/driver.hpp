@@ -34,9 +34,9 @@ struct Minimum {
 
 /// Starts with the global solve for the first rotations, then takes quasi-Newton local/global steps until the
 /// gradient (DESIGN 3.5) is at most options.tolerance or options.max_iterations steps are done. Where the
-/// steps so far promise hundreds more, Newton steps take over. The energy never rises beyond rounding. Fails:
-/// Cancelled, OutOfMemory.   Cost: one solve and one or more local phases a step; one factorization of twice
-/// the size a Newton step.
+/// steps so far promise hundreds more, Newton steps take over. The energy never rises beyond rounding.
+/// Fails: Cancelled, OutOfMemory.
+/// Cost: one solve and one or more local phases a step; a factorization of twice the size a Newton step.
 Result<Minimum> minimise_arap(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options,
                               const Monitor& monitor);
 

@@ -30,7 +30,8 @@ class GlobalPhase {
   GlobalPhase& operator=(GlobalPhase&&) noexcept;
   ~GlobalPhase();
 
-  /// x = matrix^-1 rhs for both components.   rhs, x [n], may be the same array.   Cost: reads the factor
+  /// x = matrix^-1 rhs for both components.   rhs, x [n], may be the same array.
+  /// Cost: reads the factor
   /// twice.
   void solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const;
 

@@ -24,7 +24,8 @@ class NewtonDirections {
                    In<Index> vertex_component, Index num_components);
 
   /// direction [V] out: -H^-1 force at uv; 0 at what is held (one vertex and one more coordinate a component,
-  /// so that translations and the rotation are fixed). Fails: OutOfMemory, FactorizationFailed.   Cost: one
+  /// so that translations and the rotation are fixed). Fails: OutOfMemory, FactorizationFailed.
+  /// Cost: one
   /// or two factorizations, 4 times the size of the global phase's.
   Result<void> direction(In<Vec2> uv, In<Vec2> force, Out<Vec2> direction);
 

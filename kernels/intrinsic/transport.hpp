@@ -12,7 +12,8 @@ inline double edge_direction(const RestFrame& f, Index i) {
 }
 
 /// Angle of the neighbour's frame after an isometric unfolding across half-edge c with twin c_twin, for a
-/// frame at angle theta; radians, not reduced.   Ref: DESIGN 3.1, w_e = 0.
+/// frame at angle theta; radians, not reduced.
+/// Ref: DESIGN 3.1, w_e = 0.
 inline double unfold_angle(double theta, Index c, Index c_twin, In<RestFrame> frame) {
   return theta + edge_direction(frame[c / 3], c % 3) - edge_direction(frame[c_twin / 3], c_twin % 3) - kPi;
 }

@@ -10,7 +10,8 @@ inline double arap(SingularValues s) {
   return (s.sigma_max - 1) * (s.sigma_max - 1) + (s.sigma_min - 1) * (s.sigma_min - 1);
 }
 
-/// |J|_F^2 + |J^-1|_F^2; 4 for an isometry, infinite where sigma_min <= 0.   Ref: Smith and Schaefer 2015, no
+/// |J|_F^2 + |J^-1|_F^2; 4 for an isometry, infinite where sigma_min <= 0.
+/// Ref: Smith and Schaefer 2015, no
 /// factor 1/2.
 inline double symmetric_dirichlet(SingularValues s) {
   if (!(s.sigma_min > 0)) return kInfinity;

@@ -19,28 +19,23 @@ struct ProxyForces {
 ///   Ref: Liu et al. 2008, eq. 5; in complex numbers sum of cot dz conj(dx), normalised.
 inline Vec2 closest_rotation(const std::array<Vec2, 3>& z, const double* cotangent, const RestFrame& frame) {
   const auto x = edge_vectors(frame);
-  Vec2 s{};
-  for (int k = 0; k < 3; ++k) {
-    const Vec2 dz = z[(k + 1) % 3] - z[k];
-    s += cotangent[(k + 2) % 3] * multiply(dz, conjugate(x[k]));
-  }
-  const double length = norm(s);
-  return length > 0 ? (1 / length) * s : Vec2{1, 0};
+  const Vec2 s = cotangent[2] * multiply(z[1] - z[0], conjugate(x[0])) +
+                 cotangent[0] * multiply(z[2] - z[1], conjugate(x[1])) +
+                 cotangent[1] * multiply(z[0] - z[2], conjugate(x[2]));
+  const double squared = dot(s, s);
+  return squared > 0 ? (1 / std::sqrt(squared)) * s : Vec2{1, 0};
 }
 
 /// Energy 1/2 sum of cot |dz - R dx|^2 = A |J - R|_F^2 and the forces L z - b of the triangle.
 inline ProxyForces proxy_forces(const std::array<Vec2, 3>& z, const double* cotangent, const RestFrame& frame,
                                 Vec2 rotation) {
   const auto x = edge_vectors(frame);
-  ProxyForces result;
-  for (int k = 0; k < 3; ++k) {
-    const Vec2 d = z[(k + 1) % 3] - z[k] - multiply(rotation, x[k]);
-    const double half_weight = 0.5 * cotangent[(k + 2) % 3];
-    result.energy += half_weight * dot(d, d);
-    result.force[(k + 1) % 3] += half_weight * d;
-    result.force[k] += -half_weight * d;
-  }
-  return result;
+  const Vec2 d0 = z[1] - z[0] - multiply(rotation, x[0]);
+  const Vec2 d1 = z[2] - z[1] - multiply(rotation, x[1]);
+  const Vec2 d2 = z[0] - z[2] - multiply(rotation, x[2]);
+  // Each edge pulls with half the cotangent of the corner opposite.
+  const Vec2 f0 = 0.5 * cotangent[2] * d0, f1 = 0.5 * cotangent[0] * d1, f2 = 0.5 * cotangent[1] * d2;
+  return {dot(f0, d0) + dot(f1, d1) + dot(f2, d2), {f2 - f0, f0 - f1, f1 - f2}};
 }
 
 /// Half the Hessian of the triangle's energy with respect to its corners, as blocks [3][3] of 2x2.

@@ -17,7 +17,7 @@ const double* column(const Panel& panel, Index j) {
 const Lanes& lanes(const double* p) { return *reinterpret_cast<const Lanes*>(p); }
 Lanes& lanes(double* p) { return *reinterpret_cast<Lanes*>(p); }
 
-double sum(Lanes x) { return (x[0] + x[1]) + (x[2] + x[3]); }
+inline double sum(const Lanes& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 
 /// x[rows from `first`] -= sum over the group of c[k] * y[k].
 inline void subtract_group(const std::array<const double*, kGroup>& c, const double* y, Index first,

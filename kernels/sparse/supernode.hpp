@@ -15,7 +15,8 @@ struct Panel {
 
 /// Forward substitution with two right-hand sides u and v over the panel's rows.
 ///   u, v [rows] in: right-hand side of the columns, then what was collected for the rows below (0 to start
-///   with) out: L11^-1 of the first part, and the second part minus L21 times that.   Cost: reads the panel
+///   with) out: L11^-1 of the first part, and the second part minus L21 times that.
+///   Cost: reads the panel
 ///   once.
 void forward_panel(const Panel& panel, Out<double> u, Out<double> v);
 

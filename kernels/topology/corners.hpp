@@ -17,7 +17,8 @@ enum class EdgeKind : std::uint8_t {
 /// Twin and kind of every half-edge of corners r.
 ///   corner_vertex [3 T];  stars / star_corner: the corners at each vertex, any order
 ///   twin [3 T] out: for Interior and Inconsistent the other half-edge, else kNone;  kind [3 T] out
-/// Half-edges with both ends on one vertex are NonManifold.   Cost: O(smaller star) a corner.
+/// Half-edges with both ends on one vertex are NonManifold.
+/// Cost: O(smaller star) a corner.
 void find_twins(Range r, In<Index> corner_vertex, Offsets stars, In<Index> star_corner, Out<Index> twin,
                 Out<EdgeKind> kind);
 

@@ -14,8 +14,10 @@ inline constexpr Offset ear_clip_scratch(Offset n) { return 6 * n; }
 ///   scratch  [ear_clip_scratch(n)]
 /// Works in the plane of the Newell normal, with the coordinate dropped along which the normal is longest.
 /// Convex polygons become the fan of corner 0. Polygons that cross themselves or have no area give n - 2
-/// triangles too, some of them overlapping or degenerate. Fails: never.  Cost: O(n (1 + r)) for r reflex
-/// corners. Ref: O'Rourke, Computational Geometry in C, 1998, 1.4 (only the neighbours of a cut ear change
+/// triangles too, some of them overlapping or degenerate. Fails: never.
+/// Cost: O(n (1 + r)) for r reflex
+/// corners.
+/// Ref: O'Rourke, Computational Geometry in C, 1998, 1.4 (only the neighbours of a cut ear change
 /// their state).
 void ear_clip(In<Vec3> polygon, Out<Index> triangle, Out<Index> scratch);
 
