@@ -53,8 +53,7 @@ void add_common(CLI::App& app, CommonArgs& common) {
   app.add_option("--threads", common.threads, "threads to use, 0: as many as the machine has")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  app.add_flag("--progress", common.progress, "progress lines even where stderr is not a terminal");
-  app.add_flag("--quiet", common.quiet, "no progress, no summary, no warnings")->excludes("--progress");
+  app.add_flag("--quiet", common.quiet, "no progress, no summary, no warnings");
   app.add_flag("--json-errors", common.json_errors, "errors as JSON objects on stderr");
 }
 
@@ -103,18 +102,19 @@ void add_sample(CLI::App& app, SampleArgs& args) {
 
 /// CLI11 says which words it does not know; we say which known one is nearest.
 Failure unknown_words(const CLI::App& app, const CLI::App* command) {
-  const CLI::App& context = command ? *command : app;
-  for (const std::string& word : context.remaining()) {
-    if (word.starts_with("-")) {
-      const std::string bare = word.substr(0, word.find('='));
-      return fail(ErrorCode::BadUsage, "unknown option " + bare + nearest(bare, known_names(context, true)));
-    }
+  const auto words = (command ? command : &app)->remaining();
+  for (const std::string& word : words) {
+    if (!word.starts_with("-")) continue;
+    const std::string bare = word.substr(0, word.find('='));
+    return fail(ErrorCode::BadUsage,
+                "unknown option " + bare + nearest(bare, known_names(command ? *command : app, true)));
   }
-  const auto words = context.remaining();
-  const std::string word = words.empty() ? "" : words.front();
-  if (!command)
-    return fail(ErrorCode::BadUsage, "unknown command " + word + nearest(word, known_names(app, false)));
-  return fail(ErrorCode::BadUsage, "unexpected argument " + word);
+  if (command && words.empty()) {
+    return fail(ErrorCode::BadUsage, "options go after the command: " + app.remaining().front());
+  }
+  if (command) return fail(ErrorCode::BadUsage, "unexpected argument " + words.front());
+  return fail(ErrorCode::BadUsage,
+              "unknown command " + words.front() + nearest(words.front(), known_names(app, false)));
 }
 
 }  // namespace
@@ -131,6 +131,8 @@ Result<Args> parse_args(int argc, const char* const* argv) {
                           app.add_subcommand("info", "say what a mesh is and what is wrong with it"),
                           app.add_subcommand("sample", "make a mesh that looks like a scanned panel")};
   add_flatten(*commands[0], flatten);
+  commands[0]->add_flag("--progress", args.common.progress,
+                        "progress lines even where stderr is not a terminal");
   add_info(*commands[1], info);
   add_sample(*commands[2], sample);
   const CLI::App* chosen = nullptr;
@@ -149,7 +151,12 @@ Result<Args> parse_args(int argc, const char* const* argv) {
     args.command = TextArgs{"planish " PLANISH_VERSION "\n"};
     return args;
   } catch (const CLI::ParseError& error) {
+    for (const CLI::App* command : commands) chosen = command->parsed() ? command : chosen;
+    if (app.remaining_size(true) > 0) return unknown_words(app, chosen);  // the likelier cause
     return fail(ErrorCode::BadUsage, error.what());
+  }
+  if (args.common.quiet && args.common.progress) {
+    return fail(ErrorCode::BadUsage, "--quiet excludes --progress");
   }
   for (const CLI::App* command : commands) chosen = command->parsed() ? command : chosen;
   if (app.remaining_size(true) > 0) return unknown_words(app, chosen);

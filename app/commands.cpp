@@ -221,10 +221,13 @@ class FlattenCommand {
     }
     const bool flips = c.flipped_triangles > 0 || c.overwound_vertices > 0;
     if (!flattening_.converged) {
-      fmt::print(stderr,
-                 "planish: {}: the tolerance {:g} was not met, the gradient is {:.3g} after {} iterations; "
-                 "use --max-iterations\n",
-                 args_.mesh, args_.options.tolerance, flattening_.gradient, flattening_.iterations);
+      fmt::print(
+          stderr,
+          "planish: {}: the tolerance {:g} was not met, the gradient is {:.3g} after {} iterations; {}\n",
+          args_.mesh, args_.options.tolerance, flattening_.gradient, flattening_.iterations,
+          flattening_.iterations < args_.options.max_iterations
+              ? "no step lowers the energy any more, use a larger --tolerance"
+              : "use a larger --max-iterations");
     }
     if (flips) {
       fmt::print(stderr, "planish: {}: {} triangles are flipped and {} vertices overwound in the map\n",
@@ -282,7 +285,7 @@ Result<int> run_info(const CommonArgs& common, const InfoArgs& args) {
   const auto diagnosis = diagnose(exec, input->mesh.surface());
   if (!diagnosis) return fail(in_file(diagnosis.error(), args.mesh));
   if (args.json) {
-    fmt::print("{}\n", diagnosis_json(*diagnosis, args.mesh, input->mesh.warnings));
+    fmt::print("{}\n", diagnosis_json(*diagnosis, args.mesh, input->mendings, input->mesh.warnings));
   } else {
     say_mendings(input->mendings);
     print_diagnosis(*diagnosis, args.mesh);

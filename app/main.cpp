@@ -1,7 +1,9 @@
 // planish: args -> calls -> exit code.
 #include <fmt/core.h>
 
+#include <cstdio>
 #include <exception>
+#include <new>
 #include <string_view>
 
 #include "app/args.hpp"
@@ -24,10 +26,25 @@ Result<int> run(const Args& args) {
   return run_sample(args.common, std::get<SampleArgs>(args.command));
 }
 
+/// The one place where exceptions, of other libraries or of a defect, become errors.
+Result<int> run_guarded(int argc, char** argv) {
+  try {
+    auto code = parse_args(argc, argv).and_then(run);
+    if (code && (std::fflush(stdout) != 0 || std::ferror(stdout))) {
+      return fail(ErrorCode::CannotWrite, "standard output cannot be written");
+    }
+    return code;
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::OutOfMemory, "not enough memory");
+  } catch (const std::exception& defect) {
+    return fail(ErrorCode::InternalDefect, defect.what());
+  }
+}
+
 int program(int argc, char** argv) {
   bool json_errors = false;  // also for errors of the command line itself
   for (int i = 1; i < argc; ++i) json_errors |= std::string_view(argv[i]) == "--json-errors";
-  const auto code = parse_args(argc, argv).and_then(run);
+  const auto code = run_guarded(argc, argv);
   if (code) return *code;
   if (json_errors) {
     fmt::print(stderr, "{}\n", error_json(code.error()));
@@ -40,15 +57,4 @@ int program(int argc, char** argv) {
 }  // namespace
 }  // namespace planish
 
-int main(int argc, char** argv) {
-  try {
-    return planish::program(argc, argv);
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "planish: not enough memory [{}]\n", planish::name(planish::ErrorCode::OutOfMemory));
-    return planish::exit_code(planish::ErrorCode::OutOfMemory);
-  } catch (const std::exception& defect) {
-    fmt::print(stderr, "planish: {}; {} [internal-defect]\n", defect.what(),
-               planish::remedy(planish::ErrorCode::InternalDefect));
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return planish::program(argc, argv); }

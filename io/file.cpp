@@ -4,6 +4,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdlib>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -233,9 +235,11 @@ Result<void> write_file(const std::string& path, std::string_view content) {
     content = compressed;
   }
   struct stat status {};
-  const bool exists = lstat(path.c_str(), &status) == 0;
-  if (exists && !S_ISREG(status.st_mode)) return write_directly(path, content);
-  return write_by_rename(path, content, exists ? &status : nullptr);
+  const bool exists = stat(path.c_str(), &status) == 0;
+  if (exists && !S_ISREG(status.st_mode)) return write_directly(path, content);  // a pipe or a device
+  // A link keeps pointing where it does: its target is what is replaced.
+  const std::unique_ptr<char, decltype(&std::free)> target(realpath(path.c_str(), nullptr), &std::free);
+  return write_by_rename(target ? target.get() : path, content, exists ? &status : nullptr);
 }
 
 void abandon_writes() noexcept { temporary_names.unlink_all(); }

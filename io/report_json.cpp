@@ -26,6 +26,7 @@ Json spread(const Spread& s) {
 Json mesh_facts(const MeshFacts& m) {
   return {{"vertices", m.vertices},
           {"unreferenced_vertices", m.unreferenced_vertices},
+          {"duplicate_positions", m.duplicate_positions},
           {"triangles", m.triangles},
           {"components", m.components},
           {"boundary_loops", m.boundary_loops},
@@ -113,7 +114,7 @@ std::string report_json(const Flattening& flattening, const ReportContext& conte
 }
 
 std::string diagnosis_json(const Diagnosis& diagnosis, const std::string& input,
-                           const std::vector<std::string>& warnings) {
+                           const std::vector<Mending>& mendings, const std::vector<std::string>& warnings) {
   const Diagnosis& d = diagnosis;
   Json json;
   json["version"] = 1;
@@ -138,6 +139,7 @@ std::string diagnosis_json(const Diagnosis& diagnosis, const std::string& input,
   json["defects"] = Json::array();
   for (const Defect& found : d.defects) json["defects"].push_back(defect(found));
   json["usable"] = d.usable();
+  json["repairs"] = repairs(mendings);
   json["warnings"] = warnings;
   return written(json);
 }
@@ -149,6 +151,7 @@ std::string error_json(const Error& error) {
   json["code"] = name(error.code);
   json["exit_code"] = exit_code(error.code);
   json["message"] = error.what;
+  json["also"] = error.also;
   json["file"] = place.file.empty() ? Json(nullptr) : Json(place.file);
   json["line"] = known(place.line, place.line > 0);
   json["column"] = known(place.column, place.column > 0);

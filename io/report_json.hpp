@@ -23,7 +23,7 @@ struct ReportContext {
 
 std::string report_json(const Flattening& flattening, const ReportContext& context);
 std::string diagnosis_json(const Diagnosis& diagnosis, const std::string& input,
-                           const std::vector<std::string>& warnings);
+                           const std::vector<Mending>& mendings, const std::vector<std::string>& warnings);
 
 /// {"error": {...}}; parts of the place that are not known are null.
 std::string error_json(const Error& error);

@@ -22,7 +22,7 @@ class Finding {
     ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
     Defect defect{.code = code_, .element = element_, .ids = {}, .count = static_cast<Offset>(ids_.size())};
     for (const auto& [a, b] : ids_) {
-      if (defect.ids.size() + 1 >= kMaxListedIds) break;
+      if (defect.ids.size() + (b == kNone ? 1 : 2) > kMaxListedIds) break;
       defect.ids.push_back(a);
       if (b != kNone) defect.ids.push_back(b);
     }

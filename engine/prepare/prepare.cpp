@@ -14,6 +14,10 @@ Result<void> check_indices(const Surface& surface) {
   if (surface.corner_vertex.size() >= kMostHalfEdges) {
     return fail(ErrorCode::TooLarge, "the mesh has 2^31 or more half-edges");
   }
+  if (surface.corner_vertex.size() % 3 != 0) {
+    return fail(ErrorCode::BadUsage, "corner_vertex must hold three vertices a triangle, it holds " +
+                                         std::to_string(surface.corner_vertex.size()));
+  }
   Error error{.code = ErrorCode::IndexOutOfRange, .element = ElementKind::Triangle};
   for (std::size_t c = 0; c < surface.corner_vertex.size(); ++c) {
     const Index v = surface.corner_vertex[c];
@@ -40,12 +44,13 @@ std::uint64_t position_hash(Vec3 p) {
 
 Index count_duplicate_positions(const Exec& exec, In<Vec3> position) {
   constexpr int kHashBits = 4 * kRadixBits;
-  std::vector<KeyedIndex> items(position.size());
-  exec.for_blocks(static_cast<Index>(items.size()), kBlock, [&](Index, Range r) {
-    for (Index v = r.begin; v < r.end; ++v) {
-      items[v] = {position_hash(position[v]) & ((std::uint64_t{1} << kHashBits) - 1), v};
-    }
-  });
+  std::vector<KeyedIndex> items;
+  items.reserve(position.size());
+  for (std::size_t v = 0; v < position.size(); ++v) {
+    const Vec3 p = position[v];
+    if (!std::isfinite(p.x + p.y + p.z)) continue;  // equal to nothing, not even to itself
+    items.push_back({position_hash(p) & ((std::uint64_t{1} << kHashBits) - 1), static_cast<Index>(v)});
+  }
   sort_by_key(exec, items, kHashBits);
   Index duplicates = 0;
   for (std::size_t i = 1; i < items.size(); ++i) {

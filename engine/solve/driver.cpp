@@ -9,7 +9,7 @@ namespace planish {
 namespace {
 
 /// Energies per area below this are rounding: the gradient is then measured against it.
-constexpr double kEnergyFloor = 1e-16;
+constexpr double kEnergyFloor = 1e-14;
 constexpr double kSufficientDecrease = 1e-4;
 constexpr int kMostHalvings = 20;
 /// Relative error of an energy sum: steps that change less than this are judged by their slope alone.
@@ -185,8 +185,11 @@ class Loop {
   Result<void> newton() {
     for (int k = 0; k <= kMostNewtonSteps; ++k) {
       auto prepared = iteration_.prepare_newton();
-      if (!prepared && prepared.error().code == ErrorCode::FactorizationFailed)
-        return {};  // the cheap steps go on
+      if (!prepared && prepared.error().code == ErrorCode::FactorizationFailed) {
+        iteration_.resume();  // the cheap steps go on
+        minimum_.history.pop_back();
+        return record();
+      }
       if (!prepared) return prepared;
       minimum_.history.pop_back();  // the same point, now measured with the Hessian
       if (auto recorded = record(); !recorded) return recorded;

@@ -82,6 +82,9 @@ Failure out_of_memory(const char* step) {
 }  // namespace
 
 Result<std::vector<Index>> fill_reducing_order(const SymmetricMatrix& matrix) {
+  // METIS draws from the process's own random numbers, seeded anew by every call: one call at a time.
+  static std::mutex one_at_a_time;
+  const std::lock_guard lock(one_at_a_time);
   Common cholmod;
   cholmod_sparse sparse = view(matrix);
   std::vector<Index> order(matrix.size());

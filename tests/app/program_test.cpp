@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "tests/app/program.hpp"
@@ -66,6 +67,8 @@ TEST_CASE("program: usage errors exit with 2, one line, and the nearest known na
            {"flatten x.obj --tolerence 1e-3", "unknown option --tolerence, did you mean --tolerance?"},
            {"flatten x.obj --reprot=a", "unknown option --reprot, did you mean --report?"},
            {"flatten x.obj y.obj", "unexpected argument y.obj"},
+           {"flatten --nonsense", "unknown option --nonsense"},
+           {"--threads 2 flatten x.obj", "options go after the command: --threads"},
            {"flatten x.obj --init zero", "--init"},
            {"flatten x.obj --tolerance -1", "--tolerance"},
            {"flatten x.obj --threads many", "--threads"},
@@ -172,13 +175,35 @@ TEST_CASE("program: progress lines only where asked for, nothing at all with --q
   CHECK(quiet.err.empty());
 }
 
+TEST_CASE("program: what stdout cannot take exits with 7") {
+  const Scratch scratch;
+  write(scratch.file("fold.obj"), kFold);
+  const std::string command =
+      PLANISH_PROGRAM " info --json " + scratch.file("fold.obj") + " >/dev/full 2>" + scratch.file("err");
+  CHECK(WEXITSTATUS(std::system(command.c_str())) == 7);
+  CHECK(one_line(content_of(scratch.file("err"))));
+}
+
+TEST_CASE("program: an output that is a link replaces what the link points to") {
+  const Scratch scratch;
+  write(scratch.file("fold.obj"), kFold);
+  write(scratch.file("real.ply"), "old");
+  std::filesystem::create_symlink(scratch.file("real.ply"), scratch.file("link.ply"));
+  REQUIRE(run("flatten " + scratch.file("fold.obj") + " -o " + scratch.file("link.ply")).code == 0);
+  CHECK(std::filesystem::is_symlink(scratch.file("link.ply")));
+  CHECK(content_of(scratch.file("real.ply")).substr(0, 3) == "ply");
+}
+
 TEST_CASE("program: an interrupt ends it within a second with 130 and no half-written file") {
   const Scratch scratch;
   REQUIRE(run("sample hood --triangles 300000 --noise 0.0005 -o " + scratch.file("in.ply")).code == 0);
+  const auto begin = std::chrono::steady_clock::now();
   const Ran ran = run("flatten --tolerance 1e-14 " + scratch.file("in.ply") + " -o " + scratch.file("o.ply"),
                       "timeout --preserve-status -s INT 1 ");
   CHECK(ran.code == 130);
   CHECK(scratch.count() == 1);
+  // One second until the signal, one to end, and as much again for a busy machine.
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(4));
 }
 
 TEST_CASE("program: what passes through: colours, quality, groups, materials, earlier uv") {

@@ -143,13 +143,13 @@ TEST_CASE("report_json: paths that are not UTF-8 still give valid JSON") {
 
 TEST_CASE("diagnosis_json: the answer has the fields of its schema and no others") {
   const json s = schema("diagnosis.schema.json"),
-             d = json::parse(diagnosis_json(diagnosis(), "x.ply", {"w"}));
+             d = json::parse(diagnosis_json(diagnosis(), "x.ply", {{"turned triangles", 2, {3, 4}}}, {"w"}));
   check_keys(s, d);
   check_keys(s["properties"]["defects"]["items"], d["defects"][0]);
 }
 
 TEST_CASE("diagnosis_json: defects carry code, elements and remedy") {
-  const json d = json::parse(diagnosis_json(diagnosis(), "x.ply", {"w"}));
+  const json d = json::parse(diagnosis_json(diagnosis(), "x.ply", {{"turned triangles", 2, {3, 4}}}, {"w"}));
   CHECK(d["usable"] == false);
   CHECK(d["genus"].is_null());
   CHECK(d["upper"] == json::array({1.0, 2.0, 3.0}));

@@ -149,6 +149,22 @@ TEST_CASE("validate: the refusal names the first ids, the number of all, the oth
   CHECK(text.find("[repeated-vertex]") != std::string::npos);
 }
 
+TEST_CASE("validate: corners that do not make whole triangles are an error") {
+  Mesh mesh = shapes::wavy_disk(100);
+  mesh.corner_vertex.pop_back();
+  const auto d = diagnose(Exec(1), mesh.surface());
+  REQUIRE_FALSE(d);
+  CHECK(d.error().code == ErrorCode::BadUsage);
+}
+
+TEST_CASE("validate: many vertices that are not numbers are named as fast as few, the first 64 of them") {
+  Mesh mesh = shapes::wavy_disk(200'000);
+  for (Vec3& p : mesh.position) p.z = std::nan("");
+  const Diagnosis d = diagnosis_of(mesh);
+  CHECK(d.defects.at(0).count == mesh.num_vertices());
+  CHECK(d.defects.at(0).ids.size() == kMaxListedIds);
+}
+
 TEST_CASE("validate: duplicate positions are counted") {
   const Mesh mesh = shapes::joined(shapes::wavy_disk(50), shapes::wavy_disk(50));
   CHECK(diagnosis_of(mesh).duplicate_positions == mesh.num_vertices() / 2);
