@@ -1,7 +1,7 @@
 # Compile settings that every target of planish shares, third-party ones not.
 add_library(planish_settings INTERFACE)
 target_compile_options(planish_settings INTERFACE -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Werror
-                                                  -ffp-contract=off)
+                                                  -ffp-contract=off -fno-math-errno)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   # False alarms of g++ 12 inside std::string and tl::expected (its bugs 105329 and 105562).
   target_compile_options(planish_settings INTERFACE -Wno-restrict -Wno-maybe-uninitialized)

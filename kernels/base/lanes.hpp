@@ -19,3 +19,8 @@ inline constexpr Index kLanes = 4;
 #else
 #define PLANISH_CLONES
 #endif
+
+/// For helpers of such functions that pass Lanes by value: called instead of inlined, the two sides would disagree
+/// on the registers. Inlined, there is no call, and the compiler's warning about it is idle.
+#pragma GCC diagnostic ignored "-Wpsabi"
+#define PLANISH_INLINE [[gnu::always_inline]] inline

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "kernels/base/lanes.hpp"
+
 namespace planish {
 
 std::array<std::array<Mat2, 3>, 3> proxy_hessian(const std::array<Vec2, 3>& z, const double* cotangent,
@@ -43,10 +45,74 @@ std::array<std::array<Mat2, 3>, 3> proxy_hessian(const std::array<Vec2, 3>& z, c
   return hessian;
 }
 
-double local_phase(Range r, In<Vec2> uv, In<Index> corner_vertex, In<double> cotangent, In<RestFrame> frame,
-                   Out<Vec2> force) {
-  double energy = 0;
-  for (Index t = r.begin; t < r.end; ++t) {
+namespace {
+
+/// Complex numbers of four triangles.
+struct LaneVec2 {
+  Lanes x, y;
+};
+PLANISH_INLINE LaneVec2 operator-(const LaneVec2& a, const LaneVec2& b) { return {a.x - b.x, a.y - b.y}; }
+PLANISH_INLINE LaneVec2 operator*(const Lanes& s, const LaneVec2& a) { return {s * a.x, s * a.y}; }
+PLANISH_INLINE Lanes dot(const LaneVec2& a, const LaneVec2& b) { return a.x * b.x + a.y * b.y; }
+
+PLANISH_INLINE Lanes square_root(Lanes a) {
+  for (Index k = 0; k < kLanes; ++k) a[k] = std::sqrt(a[k]);
+  return a;
+}
+
+/// Every `stride`-th value from p on.
+PLANISH_INLINE Lanes strided(const double* p, Index stride) {
+  return Lanes{p[0], p[stride], p[2 * stride], p[3 * stride]};
+}
+
+PLANISH_INLINE LaneVec2 images(const Vec2* uv, const Index* corner_vertex) {
+  const Vec2 a = uv[corner_vertex[0]], b = uv[corner_vertex[3]], c = uv[corner_vertex[6]],
+             d = uv[corner_vertex[9]];
+  return {Lanes{a.x, b.x, c.x, d.x}, Lanes{a.y, b.y, c.y, d.y}};
+}
+
+PLANISH_INLINE void store(const LaneVec2& f, Vec2* force) {
+  for (Index k = 0; k < kLanes; ++k) force[3 * k] = {f.x[k], f.y[k]};
+}
+
+/// closest_rotation and proxy_forces of four triangles at once; returns their energies.
+PLANISH_INLINE Lanes local_phase_of_four(const Vec2* uv, const Index* corner_vertex, const double* cotangent,
+                                         const RestFrame* frame, Vec2* force) {
+  const LaneVec2 z0 = images(uv, corner_vertex), z1 = images(uv, corner_vertex + 1),
+                 z2 = images(uv, corner_vertex + 2);
+  const Lanes w0 = strided(cotangent + 2, 3), w1 = strided(cotangent, 3), w2 = strided(cotangent + 1, 3);
+  const Lanes x1 = strided(&frame->x1, 3), x2 = strided(&frame->x2, 3), y2 = strided(&frame->y2, 3);
+  const Lanes x12 = x2 - x1;
+  // Half-edge vectors of the image; those of the frame are (x1, 0), (x12, y2), (-x2, -y2).
+  const LaneVec2 e0 = z1 - z0, e1 = z2 - z1, e2 = z0 - z2;
+  const LaneVec2 s = {w0 * (e0.x * x1) + w1 * (e1.x * x12 + e1.y * y2) - w2 * (e2.x * x2 + e2.y * y2),
+                      w0 * (e0.y * x1) + w1 * (e1.y * x12 - e1.x * y2) - w2 * (e2.y * x2 - e2.x * y2)};
+  const Lanes squared = dot(s, s), one = Lanes{} + 1.0;
+  const auto turned = squared > 0;
+  const Lanes inverse = one / square_root(turned ? squared : one);
+  const LaneVec2 r = {turned ? inverse * s.x : one, turned ? inverse * s.y : Lanes{}};
+  const LaneVec2 d0 = e0 - x1 * r, d1 = e1 - LaneVec2{r.x * x12 - r.y * y2, r.x * y2 + r.y * x12},
+                 d2 = {e2.x + (r.x * x2 - r.y * y2), e2.y + (r.x * y2 + r.y * x2)};
+  const LaneVec2 f0 = (0.5 * w0) * d0, f1 = (0.5 * w1) * d1, f2 = (0.5 * w2) * d2;
+  store(f2 - f0, force);
+  store(f0 - f1, force + 1);
+  store(f1 - f2, force + 2);
+  return dot(f0, d0) + dot(f1, d1) + dot(f2, d2);
+}
+
+}  // namespace
+
+PLANISH_CLONES double local_phase(Range r, In<Vec2> uv, In<Index> corner_vertex, In<double> cotangent,
+                                  In<RestFrame> frame, Out<Vec2> force) {
+  static_assert(sizeof(RestFrame) == 3 * sizeof(double));
+  Lanes energies{};
+  Index t = r.begin;
+  for (; t + kLanes <= r.end; t += kLanes) {
+    energies +=
+        local_phase_of_four(uv.data(), &corner_vertex[3 * t], &cotangent[3 * t], &frame[t], &force[3 * t]);
+  }
+  double energy = (energies[0] + energies[1]) + (energies[2] + energies[3]);
+  for (; t < r.end; ++t) {
     const std::array<Vec2, 3> z = {uv[corner_vertex[3 * t]], uv[corner_vertex[3 * t + 1]],
                                    uv[corner_vertex[3 * t + 2]]};
     const double* cot = &cotangent[3 * t];
