@@ -42,7 +42,10 @@ class Iteration {
         uv_(problem.energy.num_vertices()),
         force_(uv_.size()),
         descent_(uv_.size()),
-        direction_(uv_.size()) {}
+        direction_(uv_.size()),
+        uv_before_(uv_.size()),
+        force_before_(uv_.size()),
+        descent_before_(uv_.size()) {}
 
   void start() {
     local_.evaluate_rotations(problem_.rotation, force_);
@@ -54,19 +57,21 @@ class Iteration {
 
   /// DESIGN 3.5: sqrt(g^T H^-1 g / E) with g = 2 force and H twice the matrix factored last.
   double gradient() const {
-    const double decrement = std::max(0.0, -2 * dot(exec_, force_, descent_));
-    return std::sqrt(decrement / std::max(energy_, kEnergyFloor * problem_.energy.area));
+    return std::sqrt(std::max(0.0, -2 * force_times_descent_) /
+                     std::max(energy_, kEnergyFloor * problem_.energy.area));
   }
 
   /// One step along the quasi-Newton direction, or along the plain global step where that one fails to
   /// descend. False where not even that lowers the energy: rounding is reached.
   bool advance() {
-    quasi_newton_.direction(force_, descent_, direction_);
-    if (!descend_along(direction_)) {
+    const double slope = quasi_newton_.direction(descent_, force_times_descent_, direction_);
+    if (!descend_along(direction_, slope)) {
       quasi_newton_.forget();
-      if (!descend_along(descent_)) return false;
+      if (!descend_along(descent_, force_times_descent_)) return false;
     }
-    learn();
+    descent_.swap(descent_before_);
+    solve();
+    quasi_newton_.learn({uv_before_, force_before_, descent_before_}, {uv_, force_, descent_});
     return true;
   }
 
@@ -76,10 +81,12 @@ class Iteration {
       newton_.emplace(exec_, problem_.energy, problem_.order, problem_.vertex_component,
                       problem_.num_components);
     }
-    return newton_->direction(uv_, force_, descent_);
+    auto prepared = newton_->direction(uv_, force_, descent_);
+    force_times_descent_ = dot(exec_, force_, descent_);
+    return prepared;
   }
 
-  bool advance_newton() { return descend_along(descent_); }
+  bool advance_newton() { return descend_along(descent_, force_times_descent_); }
 
   /// Back to quasi-Newton steps, from the point where the Newton steps ended.
   void resume() {
@@ -97,41 +104,26 @@ class Iteration {
     exec_.for_blocks(static_cast<Index>(descent_.size()), kBlock, [&](Index, Range r) {
       for (Index v = r.begin; v < r.end; ++v) descent_[v] = -descent_[v];
     });
+    force_times_descent_ = dot(exec_, force_, descent_);
   }
 
-  bool descend_along(In<Vec2> direction) {
-    const double slope = 2 * dot(exec_, force_, direction);  // force is half the gradient
+  /// Moves along the direction, whose product with the force is given; the point left goes to *_before_.
+  /// False where no length lowers the energy.
+  bool descend_along(In<Vec2> direction, double force_times_direction) {
+    const double slope = 2 * force_times_direction;  // the force is half the gradient
     if (!(slope < 0)) return false;
-    before_.resize(uv_.size());
-    force_before_.resize(uv_.size());
     double length = 1;
     for (int halving = 0; halving < kMostHalvings; ++halving, length *= 0.5) {
-      combine(exec_, {{1, uv_}, {length, direction}}, before_);
-      const double trial_energy = local_.evaluate(before_, force_before_);
+      combine(exec_, {{1, uv_}, {length, direction}}, uv_before_);
+      const double trial_energy = local_.evaluate(uv_before_, force_before_);
       const double wanted = energy_ + kSufficientDecrease * length * slope + kEnergyRounding * energy_;
       if (!(trial_energy <= wanted)) continue;
-      uv_.swap(before_);
+      uv_.swap(uv_before_);
       force_.swap(force_before_);
       energy_ = trial_energy;
       return true;
     }
     return false;
-  }
-
-  /// Solves at the new point; the changes since the old one are what the quasi-Newton directions learn from.
-  void learn() {
-    std::vector<Vec2> solved_change = descent_;
-    solve();
-    exec_.for_blocks(static_cast<Index>(uv_.size()), kBlock, [&](Index, Range r) {
-      for (Index v = r.begin; v < r.end; ++v) {
-        before_[v] = uv_[v] - before_[v];
-        force_before_[v] = force_[v] - force_before_[v];
-        solved_change[v] = solved_change[v] - descent_[v];
-      }
-    });
-    quasi_newton_.add(std::move(before_), std::move(force_before_), std::move(solved_change));
-    before_.clear();
-    force_before_.clear();
   }
 
   const Exec& exec_;
@@ -140,8 +132,9 @@ class Iteration {
   QuasiNewton quasi_newton_;
   std::optional<NewtonDirections> newton_;
   std::vector<Vec2> uv_, force_, descent_, direction_;  // descent_ = -H^-1 force_, H the matrix factored last
-  std::vector<Vec2> before_, force_before_;  // trial point while searching, then the point left behind
-  double energy_ = 0;
+  // Trial point while searching, then the point left behind.
+  std::vector<Vec2> uv_before_, force_before_, descent_before_;
+  double energy_ = 0, force_times_descent_ = 0;
 };
 
 /// The loop around the steps: what is recorded, reported and tested between them.

@@ -7,24 +7,10 @@
 
 namespace planish {
 
-std::vector<double> dots(const Exec& exec, const std::vector<std::pair<In<Vec2>, In<Vec2>>>& pairs) {
-  if (pairs.empty()) return {};
-  const auto n = static_cast<Index>(pairs.front().first.size());
-  const Index num_blocks = Exec::num_blocks(n, kBlock);
-  std::vector<double> partial(pairs.size() * num_blocks);  // one row a pair
-  exec.for_blocks(n, kBlock, [&](Index block, Range r) {
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-      partial[k * num_blocks + block] = dot(slice(pairs[k].first, r), slice(pairs[k].second, r));
-    }
-  });
-  std::vector<double> result(pairs.size());
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    result[k] = pairwise_sum(In<double>(partial).subspan(k * num_blocks, num_blocks));
-  }
-  return result;
+double dot(const Exec& exec, In<Vec2> a, In<Vec2> b) {
+  return exec.sum_blocks(static_cast<Index>(a.size()), kBlock,
+                         [&](Range r) { return dot(slice(a, r), slice(b, r)); });
 }
-
-double dot(const Exec& exec, In<Vec2> a, In<Vec2> b) { return dots(exec, {{a, b}}).front(); }
 
 void combine(const Exec& exec, const std::vector<Scaled>& terms, Out<Vec2> sum) {
   exec.for_blocks(static_cast<Index>(sum.size()), kBlock, [&](Index, Range r) {
@@ -35,74 +21,94 @@ void combine(const Exec& exec, const std::vector<Scaled>& terms, Out<Vec2> sum) 
   });
 }
 
-void QuasiNewton::drop_oldest() {
+QuasiNewton::Pair QuasiNewton::take_storage() {
+  if (pairs_.size() < static_cast<std::size_t>(memory_)) return {};
+  Pair oldest = std::move(pairs_.front());
   pairs_.erase(pairs_.begin());
   for (Pair& pair : pairs_) {
-    pair.step_with.erase(pair.step_with.begin());
-    pair.with_step.erase(pair.with_step.begin());
-    pair.curvature_with.erase(pair.curvature_with.begin());
+    pair.steps_with.erase(pair.steps_with.begin());
+    pair.solved_with.erase(pair.solved_with.begin());
   }
+  oldest.steps_with.clear();
+  oldest.solved_with.clear();
+  return oldest;
 }
 
-void QuasiNewton::add(std::vector<Vec2> step, std::vector<Vec2> force_change,
-                      std::vector<Vec2> solved_change) {
+void QuasiNewton::learn(const ForcePoint& before, const ForcePoint& now) {
   if (memory_ == 0) return;
-  if (pairs_.size() == static_cast<std::size_t>(memory_)) drop_oldest();
-  pairs_.push_back({std::move(step), std::move(force_change), std::move(solved_change), {}, {}, {}});
+  const auto n = static_cast<Index>(now.position.size());
+  pairs_.push_back(take_storage());
   Pair& added = pairs_.back();
-  std::vector<std::pair<In<Vec2>, In<Vec2>>> products;
+  added.step.resize(n);
+  added.solved.resize(n);
+
+  // All in one sweep: the new pair, its products with the force before, and all pairs' with the force now.
+  std::vector<std::pair<In<Vec2>, In<Vec2>>> factors = {{added.step, before.force},
+                                                        {added.solved, before.force}};
   for (const Pair& pair : pairs_) {
-    products.emplace_back(added.step, pair.force_change);
-    products.emplace_back(pair.step, added.force_change);
-    products.emplace_back(added.force_change, pair.solved_change);
+    factors.emplace_back(pair.step, now.force);
+    factors.emplace_back(pair.solved, now.force);
   }
-  const std::vector<double> product = dots(exec_, products);
-  for (std::size_t k = 0; k < product.size(); k += 3) {
-    added.step_with.push_back(product[k]);
-    added.with_step.push_back(product[k + 1]);
-    added.curvature_with.push_back(product[k + 2]);
+  const Index num_blocks = Exec::num_blocks(n, kBlock);
+  std::vector<double> partial(factors.size() * num_blocks);  // one row a product
+  exec_.for_blocks(n, kBlock, [&](Index block, Range r) {
+    for (Index v = r.begin; v < r.end; ++v) {
+      added.step[v] = now.position[v] - before.position[v];
+      added.solved[v] = before.descent[v] - now.descent[v];
+    }
+    for (std::size_t k = 0; k < factors.size(); ++k) {
+      partial[k * num_blocks + block] = dot(slice(factors[k].first, r), slice(factors[k].second, r));
+    }
+  });
+  const auto product = [&](std::size_t k) {
+    return pairwise_sum(In<double>(partial).subspan(k * num_blocks, num_blocks));
+  };
+
+  added.step_force = product(0);
+  added.solved_force = product(1);
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const double step_force = product(2 + 2 * k), solved_force = product(3 + 2 * k);
+    added.steps_with.push_back(step_force - pairs_[k].step_force);
+    added.solved_with.push_back(solved_force - pairs_[k].solved_force);
+    pairs_[k].step_force = step_force;
+    pairs_[k].solved_force = solved_force;
   }
   if (!(added.curvature() > 0)) pairs_.pop_back();
 }
 
-double QuasiNewton::step_times_change(std::size_t i, std::size_t j) const {
-  return i >= j ? pairs_[i].step_with[j] : pairs_[j].with_step[i];
+double QuasiNewton::solved_product(std::size_t i, std::size_t j) const {
+  return pairs_[std::max(i, j)].solved_with[std::min(i, j)];  // L^-1 is symmetric
 }
 
-double QuasiNewton::change_times_solved(std::size_t i, std::size_t j) const {
-  return pairs_[std::max(i, j)].curvature_with[std::min(i, j)];  // L^-1 is symmetric
-}
-
-void QuasiNewton::direction(In<Vec2> force, In<Vec2> d, Out<Vec2> direction) const {
+double QuasiNewton::direction(In<Vec2> d, double force_times_d, Out<Vec2> direction) const {
   const std::size_t m = pairs_.size();
-  std::vector<std::pair<In<Vec2>, In<Vec2>>> products;
-  for (const Pair& pair : pairs_) {
-    products.emplace_back(pair.step, force);
-    products.emplace_back(pair.force_change, d);
-  }
-  const std::vector<double> product = dots(exec_, products);
-
   // First loop: q = f - sum alpha_j y_j; then -L^-1 q = d + sum alpha_j L^-1 y_j.
   std::vector<double> alpha(m), slope(m);
   for (std::size_t i = m; i-- > 0;) {
-    double s_q = product[2 * i];
-    for (std::size_t j = i + 1; j < m; ++j) s_q -= alpha[j] * step_times_change(i, j);
+    double s_q = pairs_[i].step_force;
+    for (std::size_t j = i + 1; j < m; ++j) s_q -= alpha[j] * pairs_[j].steps_with[i];
     alpha[i] = s_q / pairs_[i].curvature();
   }
   // The energy curves less than the Laplacian, down to half as much where triangles turn: the scale follows the
   // newest pair, which halves the number of steps (perf/README.md).
-  const double scale = m > 0 ? pairs_[m - 1].curvature() / change_times_solved(m - 1, m - 1) : 1;
+  const double scale = m > 0 ? pairs_[m - 1].curvature() / solved_product(m - 1, m - 1) : 1;
+  double along_force = scale * force_times_d;
   std::vector<Scaled> terms = {{scale, d}};
-  for (std::size_t j = 0; j < m; ++j) terms.push_back({scale * alpha[j], pairs_[j].solved_change});
+  for (std::size_t j = 0; j < m; ++j) {
+    terms.push_back({scale * alpha[j], pairs_[j].solved});
+    along_force += scale * alpha[j] * pairs_[j].solved_force;
+  }
   // Second loop: direction += slope_k s_k.
   for (std::size_t k = 0; k < m; ++k) {
-    double y_direction = scale * product[2 * k + 1];
-    for (std::size_t j = 0; j < m; ++j) y_direction += scale * alpha[j] * change_times_solved(k, j);
-    for (std::size_t j = 0; j < k; ++j) y_direction += slope[j] * step_times_change(j, k);
+    double y_direction = -scale * pairs_[k].solved_force;  // y . d = -L^-1 y . f
+    for (std::size_t j = 0; j < m; ++j) y_direction += scale * alpha[j] * solved_product(k, j);
+    for (std::size_t j = 0; j < k; ++j) y_direction += slope[j] * pairs_[k].steps_with[j];
     slope[k] = -alpha[k] - y_direction / pairs_[k].curvature();
     terms.push_back({slope[k], pairs_[k].step});
+    along_force += slope[k] * pairs_[k].step_force;
   }
   combine(exec_, terms, direction);
+  return along_force;
 }
 
 }  // namespace planish

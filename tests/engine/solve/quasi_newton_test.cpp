@@ -38,9 +38,15 @@ TEST_CASE("quasi-Newton: the direction is that of the inverse Hessian formed by 
   for (const int count : {0, 1, 2, 3, 5}) {  // more pairs than the memory of 3: the oldest are forgotten
     QuasiNewton quasi_newton(exec, 3);
     std::vector<std::pair<Eigen::VectorXd, Eigen::VectorXd>> pairs;
+    Eigen::VectorXd position = random_vector();  // force: hessian * position
     for (int k = 0; k < count; ++k) {
-      const Eigen::VectorXd s = random_vector(), y = hessian * s;
-      quasi_newton.add(from(s), from(y), from(inverse * y));
+      const Eigen::VectorXd next = random_vector();
+      const Eigen::VectorXd s = next - position, y = hessian * s;
+      const auto [p0, p1] = std::pair{from(position), from(next)};
+      const auto [f0, f1] = std::pair{from(hessian * position), from(hessian * next)};
+      const auto [d0, d1] = std::pair{from(-inverse * hessian * position), from(-inverse * hessian * next)};
+      quasi_newton.learn({p0, f0, d0}, {p1, f1, d1});
+      position = next;
       pairs.emplace_back(s, y);
       if (pairs.size() > 3) pairs.erase(pairs.begin());
     }
@@ -53,20 +59,21 @@ TEST_CASE("quasi-Newton: the direction is that of the inverse Hessian formed by 
       h = (identity - rho * s * y.transpose()) * h * (identity - rho * y * s.transpose()) +
           rho * s * s.transpose();
     }
-    const Eigen::VectorXd force = random_vector();
-    const auto expected = from(-h * force);
+    const Eigen::VectorXd force = hessian * position, d = -inverse * force, expected = -h * force;
     std::vector<Vec2> direction(kSize);
-    quasi_newton.direction(from(force), from(-inverse * force), direction);
-    for (Index i = 0; i < kSize; ++i) CHECK(norm(direction[i] - expected[i]) < 1e-9);
+    const double slope = quasi_newton.direction(from(d), force.dot(d), direction);
+    const auto expected_direction = from(expected);
+    for (Index i = 0; i < kSize; ++i) CHECK(norm(direction[i] - expected_direction[i]) < 1e-9);
+    CHECK(slope == doctest::Approx(force.dot(expected)).epsilon(1e-9));
   }
 }
 
-TEST_CASE("quasi-Newton: a pair without positive curvature is not learnt from") {
+TEST_CASE("quasi-Newton: a step without positive curvature is not learnt from") {
   const Exec exec(1);
   QuasiNewton quasi_newton(exec, 3);
-  const std::vector<Vec2> s(kSize, {1, 0}), y(kSize, {-1, 0}), d(kSize, {0, 2});
-  quasi_newton.add(s, y, y);
+  const std::vector<Vec2> p(kSize), q(kSize, {1, 0}), f(kSize), g(kSize, {-1, 0}), d(kSize, {0, 2});
+  quasi_newton.learn({p, f, f}, {q, g, d});
   std::vector<Vec2> direction(kSize);
-  quasi_newton.direction(s, d, direction);
+  CHECK(quasi_newton.direction(d, -3, direction) == -3);
   CHECK(direction == d);
 }
