@@ -33,9 +33,19 @@ constexpr std::array kCodes = {
     CodeEntry{ErrorCode::InconsistentOrientation, "inconsistent-orientation", 4,
               "use --repair to turn triangles"},
     CodeEntry{ErrorCode::NotOrientable, "not-orientable", 4, "cut the surface open"},
-    CodeEntry{ErrorCode::ClosedComponent, "closed-component", 4, "cut it open so that it has a boundary"},
-    CodeEntry{ErrorCode::HasHandles, "has-handles", 4, "cut it along a loop through each handle"},
+    CodeEntry{ErrorCode::ClosedComponent, "closed-component", 4,
+              "use --cut auto, or name a seam that opens it"},
+    CodeEntry{ErrorCode::HasHandles, "has-handles", 4, "use --cut auto, or name seams that open each handle"},
     CodeEntry{ErrorCode::TooLarge, "too-large", 4, "split the mesh"},
+    CodeEntry{ErrorCode::FeatureTooFar, "feature-too-far", 5,
+              "move the point to the surface, or raise max_distance"},
+    CodeEntry{ErrorCode::FeatureLeavesSurface, "feature-leaves-surface", 5,
+              "end the polyline where the surface ends"},
+    CodeEntry{ErrorCode::FeatureBroken, "feature-broken", 5, ""},
+    CodeEntry{ErrorCode::FeaturesOverlap, "features-overlap", 5,
+              "turn one of them around, or end it earlier"},
+    CodeEntry{ErrorCode::RegionBroken, "region-broken", 5, ""},
+    CodeEntry{ErrorCode::ConstraintInvalid, "constraint-invalid", 5, ""},
     CodeEntry{ErrorCode::FactorizationFailed, "factorization-failed", 1, "please report it with the input"},
     CodeEntry{ErrorCode::ResidualTooLarge, "residual-too-large", 1, "please report it with the input"},
     CodeEntry{ErrorCode::OutOfMemory, "out-of-memory", 4, "use a smaller mesh or a larger machine"},
@@ -58,6 +68,7 @@ std::string plural(ElementKind element, bool many) {
     case ElementKind::Edge: return many ? "edges" : "edge";
     case ElementKind::Component: return many ? "components" : "component";
     case ElementKind::Property: return many ? "properties" : "property";
+    case ElementKind::Point: return many ? "points" : "point";
   }
   return "";
 }
@@ -88,6 +99,7 @@ std::string position(const Place& place) {
   } else if (place.byte >= 0) {
     text += ": byte " + std::to_string(place.byte);
   }
+  if (!place.pointer.empty()) text += (text.empty() ? "" : ": ") + place.pointer;
   return text.empty() ? text : text + ": ";
 }
 
@@ -105,6 +117,7 @@ const char* name(ElementKind element) {
     case ElementKind::Edge: return "edge";
     case ElementKind::Component: return "component";
     case ElementKind::Property: return "property";
+    case ElementKind::Point: return "point";
   }
   return "none";
 }

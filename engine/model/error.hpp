@@ -31,6 +31,12 @@ enum class ErrorCode {
   ClosedComponent,          ///< a component without boundary
   HasHandles,               ///< a component of genus above 0
   TooLarge,                 ///< more than 2^31 half-edges
+  FeatureTooFar,            ///< a point of a polyline is farther from the surface than its max_distance
+  FeatureLeavesSurface,     ///< a polyline crosses a boundary, or goes on where there is no surface
+  FeatureBroken,            ///< a feature that is no chain: too few points, repeated ones, a gap
+  FeaturesOverlap,          ///< two features run along one edge in opposite directions
+  RegionBroken,             ///< a region that is not connected, not bounded by edges, or empty
+  ConstraintInvalid,        ///< a constraint that names what does not exist or does not fit its feature
   FactorizationFailed,      ///< the matrix is not positive definite
   ResidualTooLarge,         ///< rotations do not meet their rows
   OutOfMemory,              ///< memory could not be had
@@ -39,7 +45,7 @@ enum class ErrorCode {
 };
 
 /// What the ids of an error count.
-enum class ElementKind { None, Vertex, Triangle, Edge, Component, Property };
+enum class ElementKind { None, Vertex, Triangle, Edge, Component, Property, Point };
 
 /// Where in a file. Lines and columns count from 1; byte from 0 (kNone where lines are the better place).
 struct Place {
@@ -47,6 +53,7 @@ struct Place {
   Offset line = 0;
   Offset column = 0;
   Offset byte = kNone;
+  std::string pointer = {};  ///< JSON pointer of the place in a constraint file: "/features/sill"
 };
 
 /// At most kMaxListedIds ids are kept (edges: pairs of vertices, both counted); `count` is the number of all
@@ -79,7 +86,7 @@ const char* name(ElementKind element);
 /// What the user can do about it, or "".
 const char* remedy(ErrorCode code);
 
-/// Exit code of the program (DESIGN 4.1): 1 defect, 2 usage, 3 cannot read, 4 mesh, 7 cannot write, 130
+/// Exit code of the program (DESIGN 4.1): 1 defect, 2 usage, 3 cannot read, 4 mesh, 5 constraints, 7 cannot write, 130
 /// stopped.
 int exit_code(ErrorCode code);
 

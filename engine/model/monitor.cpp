@@ -6,6 +6,8 @@ const char* name(Phase phase) {
   switch (phase) {
     case Phase::Read: return "read";
     case Phase::Check: return "check";
+    case Phase::Embed: return "embed";
+    case Phase::Cut: return "cut";
     case Phase::Order: return "order";
     case Phase::Start: return "start";
     case Phase::LocalGlobal: return "local_global";
