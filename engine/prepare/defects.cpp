@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engine/prepare/soup.hpp"
 #include "kernels/intrinsic/lengths.hpp"
 
 namespace planish {
@@ -35,7 +36,23 @@ class Finding {
   std::vector<std::array<Index, 2>> ids_;
 };
 
+/// A box too large or too small to be scaled to the unit cube. Every coordinate is lost then, and no vertex
+/// can be named.
+bool find_unusable_span(const OrderedMesh& mesh, Diagnosis& diagnosis) {
+  const bool too_large = !std::isfinite(mesh.unit), too_small = !std::isfinite(1 / mesh.unit);
+  if (!too_large && !too_small) return false;
+  diagnosis.defects.push_back(
+      {.code = ErrorCode::NonFinitePosition,
+       .element = ElementKind::None,
+       .ids = {},
+       .count = 1,
+       .what = too_large ? "the coordinates of the vertices span more than doubles can hold"
+                         : "the coordinates of the vertices span less than doubles can scale"});
+  return true;
+}
+
 void find_non_finite(const OrderedMesh& mesh, Diagnosis& diagnosis) {
+  if (find_unusable_span(mesh, diagnosis)) return;
   Finding finding(ErrorCode::NonFinitePosition, ElementKind::Vertex);
   for (Index v = 0; v < mesh.num_vertices(); ++v) {
     const Vec3 p = mesh.position[v];
@@ -121,8 +138,22 @@ void find_split_stars(const OrderedMesh& mesh, const Topology& topology, Diagnos
   finding.report(diagnosis);
 }
 
-/// Components that no turning of triangles can orient: found by a walk that turns as it goes.
-void find_not_orientable(const OrderedMesh& mesh, const Topology& topology, Diagnosis& diagnosis) {
+/// A component by itself; sound: a manifold that can be oriented.
+struct Component {
+  Index vertices = 0, triangles = 0, boundary_edges = 0, loops = 0, first_triangle = kNone;
+  bool sound = true, turned = false;
+
+  Index genus() const {
+    const Index edges = (3 * triangles + boundary_edges) / 2;
+    const Index euler = vertices - edges + triangles;
+    return (2 - loops - euler) / 2;
+  }
+};
+
+/// Components that no turning of triangles can orient: found by a walk that turns as it goes. They are marked
+/// unsound.
+void find_not_orientable(const OrderedMesh& mesh, const Topology& topology, Out<Component> components,
+                         Diagnosis& diagnosis) {
   Finding finding(ErrorCode::NotOrientable, ElementKind::Triangle);
   std::vector<std::int8_t> side(mesh.num_triangles(), 0);
   std::vector<Index> stack;
@@ -148,16 +179,14 @@ void find_not_orientable(const OrderedMesh& mesh, const Topology& topology, Diag
         contradicts |= side[twin / 3] != wanted;
       }
     }
-    if (contradicts) finding.add(first);
+    if (!contradicts) continue;
+    finding.add(first);
+    components[topology.triangle_component[root]].sound = false;
   }
   finding.report(diagnosis);
 }
 
-/// Euler characteristic, boundary and genus a component; only for manifolds.
-void find_closed_or_with_handles(const OrderedMesh& mesh, const Topology& topology, Diagnosis& diagnosis) {
-  struct Component {
-    Index vertices = 0, triangles = 0, boundary_edges = 0, loops = 0, first_triangle = kNone;
-  };
+std::vector<Component> components_of(const OrderedMesh& mesh, const Topology& topology) {
   std::vector<Component> components(topology.num_components);
   for (Index t = 0; t < mesh.num_triangles(); ++t) {
     Component& component = components[topology.triangle_component[t]];
@@ -166,6 +195,11 @@ void find_closed_or_with_handles(const OrderedMesh& mesh, const Topology& topolo
     if (component.first_triangle == kNone || origin < component.first_triangle)
       component.first_triangle = origin;
   }
+  return components;
+}
+
+/// Vertices and boundary of the components of a manifold.
+void count_manifold(const OrderedMesh& mesh, const Topology& topology, Out<Component> components) {
   for (Index v = 0; v < mesh.num_vertices(); ++v) {
     ++components[topology.triangle_component[topology.star_corner[topology.star_begin[v]] / 3]].vertices;
   }
@@ -175,15 +209,69 @@ void find_closed_or_with_handles(const OrderedMesh& mesh, const Topology& topolo
     ++component.loops;
     component.boundary_edges += loop.end - loop.begin;
   }
+}
+
+/// Corners at one vertex that hang together across edges of two triangles: a fan each.
+Unions fans_of(const OrderedMesh& mesh, const Topology& topology) {
+  Unions fans(static_cast<Index>(mesh.corner_vertex.size()));
+  for (Index c = 0; c < static_cast<Index>(mesh.corner_vertex.size()); ++c) {
+    const Index twin = topology.corner_twin[c];
+    if (twin == kNone || twin < c) continue;
+    const bool turned = topology.edge_kind[c] == EdgeKind::Inconsistent;
+    fans.unite(c, turned ? twin : next_corner(twin));
+    fans.unite(next_corner(c), turned ? next_corner(twin) : twin);
+  }
+  return fans;
+}
+
+/// Marks the components unsound that have an edge of more than two triangles, or touch themselves in a vertex.
+void mark_unsound(const OrderedMesh& mesh, const Topology& topology, Unions& fans,
+                  Out<Component> components) {
+  for (Index c = 0; c < static_cast<Index>(mesh.corner_vertex.size()); ++c) {
+    Component& component = components[topology.triangle_component[c / 3]];
+    component.sound &= topology.edge_kind[c] != EdgeKind::NonManifold;
+    component.turned |= topology.edge_kind[c] == EdgeKind::Inconsistent;
+  }
+  std::vector<std::array<Index, 2>> at_vertex;  // component and fan
+  for (Index v = 0; v < mesh.num_vertices(); ++v) {
+    if (topology.single_fan[v]) continue;
+    at_vertex.clear();
+    for (const Index c : slice(In<Index>(topology.star_corner), topology.stars().group(v))) {
+      at_vertex.push_back({topology.triangle_component[c / 3], fans.root(c)});
+    }
+    std::sort(at_vertex.begin(), at_vertex.end());
+    for (std::size_t i = 1; i < at_vertex.size(); ++i) {
+      const auto [component, fan] = at_vertex[i];
+      if (component == at_vertex[i - 1][0] && fan != at_vertex[i - 1][1]) components[component].sound = false;
+    }
+  }
+}
+
+/// Vertices and boundary of every component, as if it shared no vertex with the others: its vertices are its
+/// fans, its loops the sets of boundary edges that hang together at fans. Right for sound ones only.
+void count_alone(const OrderedMesh& mesh, const Topology& topology, Unions& fans, Out<Component> components) {
+  const auto num_corners = static_cast<Index>(mesh.corner_vertex.size());
+  Unions loops(num_corners);  // of the fans' first corners
+  for (Index c = 0; c < num_corners; ++c) {
+    Component& component = components[topology.triangle_component[c / 3]];
+    if (fans.root(c) == c) ++component.vertices;
+    if (topology.edge_kind[c] != EdgeKind::Boundary) continue;
+    ++component.boundary_edges;
+    // Every edge but the one that closes a loop joins two sets.
+    const Index start = loops.root(fans.root(c)), end = loops.root(fans.root(next_corner(c)));
+    if (start == end) ++component.loops;
+    loops.unite(start, end);
+  }
+}
+
+void find_closed_or_with_handles(In<Component> components, Diagnosis& diagnosis) {
   Finding closed(ErrorCode::ClosedComponent, ElementKind::Triangle);
   Finding handles(ErrorCode::HasHandles, ElementKind::Triangle);
   for (const Component& component : components) {
-    const Index edges = (3 * component.triangles + component.boundary_edges) / 2;
-    const Index euler = component.vertices - edges + component.triangles;
-    const Index genus = (2 - component.loops - euler) / 2;
-    diagnosis.genus += genus;
+    const bool doubled = component.triangles == 2 && component.turned;  // listed twice: named as a copy
+    if (!component.sound || (doubled && component.loops == 0)) continue;
     if (component.loops == 0) closed.add(component.first_triangle);
-    if (genus > 0) handles.add(component.first_triangle);
+    if (component.genus() > 0) handles.add(component.first_triangle);
   }
   closed.report(diagnosis);
   handles.report(diagnosis);
@@ -220,16 +308,23 @@ void find_defects(const Exec&, const OrderedMesh& mesh, const Topology& topology
   diagnosis.euler = mesh.num_vertices() - edges + mesh.num_triangles();
   find_non_finite(mesh, diagnosis);
   find_degenerate(mesh, diagnosis);
+  std::vector<Component> components = components_of(mesh, topology);
   if (topology.manifold) {
-    find_closed_or_with_handles(mesh, topology, diagnosis);
+    count_manifold(mesh, topology, components);
+    for (const Component& component : components) diagnosis.genus += component.genus();
+    find_closed_or_with_handles(components, diagnosis);
     return;
   }
   diagnosis.genus = kNone;
   find_duplicates(mesh, topology, diagnosis);
   find_edges_of_kind(mesh, topology, EdgeKind::NonManifold, ErrorCode::NonManifoldEdge, diagnosis);
   find_split_stars(mesh, topology, diagnosis);
-  find_not_orientable(mesh, topology, diagnosis);
+  find_not_orientable(mesh, topology, components, diagnosis);
   find_edges_of_kind(mesh, topology, EdgeKind::Inconsistent, ErrorCode::InconsistentOrientation, diagnosis);
+  Unions fans = fans_of(mesh, topology);
+  mark_unsound(mesh, topology, fans, components);
+  count_alone(mesh, topology, fans, components);
+  find_closed_or_with_handles(components, diagnosis);
 }
 
 }  // namespace planish

@@ -8,6 +8,8 @@
 namespace planish {
 
 /// Fills boundary_edges, euler, genus and defects.
+/// Components that are manifold and orientable by themselves are looked at for boundary and handles whatever
+/// the others are.
 /// Cost: O(T).
 void find_defects(const Exec& exec, const OrderedMesh& mesh, const Topology& topology, Diagnosis& diagnosis);
 

@@ -5,8 +5,6 @@
 #include <CGAL/boost/graph/Euler_operations.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 namespace planish {
@@ -18,60 +16,12 @@ using Vertex = Halfedges::Vertex_index;
 using Halfedge = Halfedges::Halfedge_index;
 using Face = Halfedges::Face_index;
 
-bool finite(Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
-/// Altitudes up to this cannot be told from none: 4 ulps of the largest coordinate (as diagnose() has it).
-double least_altitude(const Soup& soup) {
-  Vec3 lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
-  for (Index v : soup.corner_vertex) {
-    const Vec3 p = soup.position[v];
-    if (!finite(p)) continue;
-    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
-    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
-  }
-  const Vec3 size = upper - lower, centre = lower + 0.5 * size;
-  const double magnitude = std::max({std::abs(centre.x), std::abs(centre.y), std::abs(centre.z)}) +
-                           0.5 * std::max({size.x, size.y, size.z});
-  return 4 * std::numeric_limits<double>::epsilon() * magnitude;
-}
-
-bool is_flat(Vec3 a, Vec3 b, Vec3 c, double altitude) {
-  if (!finite(a) || !finite(b) || !finite(c)) return false;
-  return norm(cross(b - a, c - a)) <= altitude * std::max({norm(b - a), norm(c - b), norm(a - c)});
-}
-
-bool is_flat(const Soup& soup, Index t, double altitude) {
-  const Index* v = soup.corners(t);
-  return is_flat(soup.position[v[0]], soup.position[v[1]], soup.position[v[2]], altitude);
-}
-
-/// Marks the triangles of components that hold a flat triangle and are manifold along edges and oriented.
-std::vector<char> triangles_to_mend(const Soup& soup, double altitude) {
-  Unions component(soup.num_triangles());
-  const std::vector<EdgeSide> sides = sorted_sides(soup.corner_vertex);
-  std::vector<Index> unfit;
-  for_each_edge(sides, [&](In<EdgeSide> edge) {
-    for (const EdgeSide& side : edge) component.unite(edge[0].corner / 3, side.corner / 3);
-    const bool opposed =
-        edge.size() == 2 && soup.corner_vertex[edge[0].corner] != soup.corner_vertex[edge[1].corner];
-    if (edge.size() > 1 && !opposed) unfit.push_back(edge[0].corner / 3);
-  });
-  std::vector<char> wanted(soup.num_triangles(), 0);  // by component
-  for (Index t = 0; t < soup.num_triangles(); ++t) {
-    if (is_flat(soup, t, altitude)) wanted[component.root(t)] = 1;
-  }
-  for (Index t : unfit) wanted[component.root(t)] = 0;
-  std::vector<char> mend(soup.num_triangles());
-  for (Index t = 0; t < soup.num_triangles(); ++t) mend[t] = wanted[component.root(t)];
-  return mend;
-}
-
 /// The marked triangles as halfedges, which remember triangle, vertex and corner.
 class FlatTriangles {
  public:
-  FlatTriangles(const Soup& soup, double altitude, MendingLog& log)
+  FlatTriangles(const Soup& soup, const Precision& precision, MendingLog& log)
       : soup_(soup),
-        altitude_(altitude),
+        precision_(precision),
         log_(log),
         triangle_(mesh_.add_property_map<Face, Index>("f:triangle", kNone).first),
         vertex_(mesh_.add_property_map<Vertex, Index>("v:vertex", kNone).first),
@@ -141,14 +91,16 @@ class FlatTriangles {
   }
 
   Vec3 position(Vertex v) const { return soup_.position[vertex_[v]]; }
-  double length(Halfedge h) const { return norm(position(mesh_.target(h)) - position(mesh_.source(h))); }
+  double length(Halfedge h) const {
+    return precision_.distance(position(mesh_.source(h)), position(mesh_.target(h)));
+  }
   Index input_triangle(Face face) const { return soup_.triangle_origin[triangle_[face]]; }
   bool on_border(Halfedge h) const { return mesh_.is_border(mesh_.opposite(h)); }
 
   bool is_flat(Face face) const {
     const Halfedge h = mesh_.halfedge(face);
-    return planish::is_flat(position(mesh_.source(h)), position(mesh_.target(h)),
-                            position(mesh_.target(mesh_.next(h))), altitude_);
+    return precision_.is_flat(position(mesh_.source(h)), position(mesh_.target(h)),
+                              position(mesh_.target(mesh_.next(h))));
   }
 
   bool mend(Face face) {
@@ -157,7 +109,7 @@ class FlatTriangles {
       if (length(h) > length(longest)) longest = h;
       if (length(h) < length(shortest)) shortest = h;
     }
-    if (length(shortest) <= altitude_) return collapse(shortest);
+    if (length(shortest) <= precision_.least_altitude()) return collapse(shortest);
     return on_border(longest) ? remove(face, longest) : flip(longest);
   }
 
@@ -190,9 +142,10 @@ class FlatTriangles {
     const Vertex p = mesh_.target(mesh_.next(h)), q = mesh_.target(mesh_.next(across));
     if (p == q || mesh_.halfedge(p, q) != Halfedges::null_halfedge()) return false;
     const int before = 1 + is_flat(mesh_.face(across));
-    const int after = planish::is_flat(position(a), position(q), position(p), altitude_) +
-                      planish::is_flat(position(b), position(p), position(q), altitude_);
-    if (after > before || (after == before && norm(position(q) - position(p)) >= length(h))) return false;
+    const int after = precision_.is_flat(position(a), position(q), position(p)) +
+                      precision_.is_flat(position(b), position(p), position(q));
+    if (after > before || (after == before && precision_.distance(position(p), position(q)) >= length(h)))
+      return false;
     const Index corner_p = corner_origin_[mesh_.next(h)], corner_q = corner_origin_[mesh_.next(across)];
     log_.add("flipped the long edge of triangles without area", input_triangle(mesh_.face(h)));
     CGAL::Euler::flip_edge(h, mesh_);
@@ -201,7 +154,7 @@ class FlatTriangles {
   }
 
   const Soup& soup_;
-  double altitude_;
+  const Precision& precision_;
   MendingLog& log_;
   Halfedges mesh_;
   Halfedges::Property_map<Face, Index> triangle_;
@@ -212,10 +165,10 @@ class FlatTriangles {
 }  // namespace
 
 Result<void> remove_flat_triangles(Soup& soup, MendingLog& log) {
-  const double altitude = least_altitude(soup);
-  const std::vector<char> marked = triangles_to_mend(soup, altitude);
+  const Precision precision(soup);
+  const std::vector<char> marked = triangles_to_mend(soup, precision);
   if (std::find(marked.begin(), marked.end(), 1) == marked.end()) return {};
-  FlatTriangles flat(soup, altitude, log);
+  FlatTriangles flat(soup, precision, log);
   if (!flat.load(marked))
     return fail(ErrorCode::InternalDefect, "repair met a component that is not manifold");
   flat.mend();

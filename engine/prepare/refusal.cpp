@@ -7,6 +7,7 @@ namespace {
 
 /// What is said of a kind of defect; the ids follow.
 std::string sentence(const Defect& defect) {
+  if (!defect.what.empty()) return defect.what;
   const std::string n = std::to_string(defect.count);
   const bool one = defect.count == 1;
   const auto with = [&](const char* singular, const char* plural) {
@@ -56,6 +57,15 @@ Error refusal(const Diagnosis& diagnosis) {
     error.also += (i == 1 ? "" : ", ") + sentence(diagnosis.defects[i]);
   }
   return error;
+}
+
+Result<void> check_manifold(const Exec& exec, const Surface& surface) {
+  auto diagnosis = diagnose(exec, surface);
+  if (!diagnosis) return fail(diagnosis.error());
+  std::erase_if(diagnosis->defects, [](const Defect& defect) {
+    return defect.code == ErrorCode::ClosedComponent || defect.code == ErrorCode::HasHandles;
+  });
+  return diagnosis->usable() ? Result<void>() : fail(refusal(*diagnosis));
 }
 
 }  // namespace planish

@@ -3,21 +3,33 @@
 #include <algorithm>
 #include <utility>
 
-#ifdef PLANISH_WITH_CGAL_GPL
 #include "engine/prepare/flat_triangles.hpp"
 #include "engine/prepare/merge.hpp"
 #include "engine/prepare/soup.hpp"
-#endif
 
 namespace planish {
 
 #ifndef PLANISH_WITH_CGAL_GPL
 
-Result<Repair> repair(const Mesh&) {
-  return fail(ErrorCode::NotBuilt, "this planish was built without repair (PLANISH_WITH_CGAL_GPL)");
+Result<void> remove_flat_triangles(Soup& soup, MendingLog&) {
+  const Precision precision(soup);
+  const std::vector<char> marked = triangles_to_mend(soup, precision);
+  Error error{.code = ErrorCode::NotBuilt, .element = ElementKind::Triangle};
+  for (Index t = 0; t < soup.num_triangles(); ++t) {
+    const Index* v = soup.corners(t);
+    const bool flat = precision.is_flat(soup.position[v[0]], soup.position[v[1]], soup.position[v[2]]);
+    if (!marked[t] || !flat) continue;
+    ++error.count;
+    if (error.ids.size() < kMaxListedIds) error.ids.push_back(soup.triangle_origin[t]);
+  }
+  if (error.count == 0) return {};
+  error.what =
+      "this planish was built without the removal of triangles without area (PLANISH_WITH_CGAL_GPL), "
+      "the only mending that is missing";
+  return fail(std::move(error));
 }
 
-#else
+#endif
 
 namespace {
 
@@ -101,7 +113,5 @@ Result<Repair> repair(const Mesh& mesh) {
   return Repair{std::move(mended), std::move(soup.vertex_origin), std::move(soup.triangle_origin),
                 std::move(log).finish()};
 }
-
-#endif
 
 }  // namespace planish

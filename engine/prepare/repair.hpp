@@ -28,9 +28,10 @@ struct Repair {
 /// and flaps without thickness, turns the smaller part of every sheet that disagrees with itself, splits
 /// non-manifold vertices, removes triangles without area. Attributes, uv sets and statements follow their
 /// elements. What remains (edges of three triangles, Moebius strips, coordinates that are no numbers) is for
-/// diagnose() to name. Fails: NotBuilt without PLANISH_WITH_CGAL_GPL; IndexOutOfRange.
-/// Cost: serial, O(T log
-/// T).
+/// diagnose() to name.
+/// Fails: IndexOutOfRange; NotBuilt where a triangle without area is to be removed and planish was built
+/// without PLANISH_WITH_CGAL_GPL.
+/// Cost: serial, O(T log T).
 Result<Repair> repair(const Mesh& mesh);
 
 }  // namespace planish

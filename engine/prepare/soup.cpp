@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -68,6 +70,58 @@ Index Unions::root(Index i) {
 void Unions::unite(Index i, Index j) {
   const Index a = root(i), b = root(j);
   parent_[std::max(a, b)] = std::min(a, b);
+}
+
+namespace {
+
+bool finite(Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+}  // namespace
+
+Precision::Precision(const Soup& soup) {
+  Vec3 lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
+  for (Index v : soup.corner_vertex) {
+    const Vec3 p = soup.position[v];
+    if (!finite(p)) continue;
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+  }
+  const Vec3 size = upper - lower, centre = lower + 0.5 * size;
+  const double extent = std::max({size.x, size.y, size.z}), unit = extent > 0 ? extent : 1;
+  const double magnitude =
+      std::max({std::abs(centre.x), std::abs(centre.y), std::abs(centre.z)}) / unit + 0.5;
+  const bool usable = std::isfinite(unit) && std::isfinite(1 / unit);
+  scale_ = usable ? 1 / unit : std::numeric_limits<double>::quiet_NaN();
+  least_altitude_ = 4 * std::numeric_limits<double>::epsilon() * magnitude;
+}
+
+bool Precision::is_flat(Vec3 a, Vec3 b, Vec3 c) const {
+  if (!finite(a) || !finite(b) || !finite(c)) return false;
+  const Vec3 ab = scale_ * (b - a), ac = scale_ * (c - a);
+  const double longest = std::max({norm(ab), norm(ac), distance(b, c)});
+  return norm(cross(ab, ac)) <= least_altitude_ * longest;
+}
+
+std::vector<char> triangles_to_mend(const Soup& soup, const Precision& precision) {
+  Unions component(soup.num_triangles());
+  const std::vector<EdgeSide> sides = sorted_sides(soup.corner_vertex);
+  std::vector<Index> unfit;
+  for_each_edge(sides, [&](In<EdgeSide> edge) {
+    for (const EdgeSide& side : edge) component.unite(edge[0].corner / 3, side.corner / 3);
+    const bool opposed =
+        edge.size() == 2 && soup.corner_vertex[edge[0].corner] != soup.corner_vertex[edge[1].corner];
+    if (edge.size() > 1 && !opposed) unfit.push_back(edge[0].corner / 3);
+  });
+  std::vector<char> wanted(soup.num_triangles(), 0);  // by component
+  for (Index t = 0; t < soup.num_triangles(); ++t) {
+    const Index* v = soup.corners(t);
+    if (precision.is_flat(soup.position[v[0]], soup.position[v[1]], soup.position[v[2]]))
+      wanted[component.root(t)] = 1;
+  }
+  for (Index t : unfit) wanted[component.root(t)] = 0;
+  std::vector<char> mend(soup.num_triangles());
+  for (Index t = 0; t < soup.num_triangles(); ++t) mend[t] = wanted[component.root(t)];
+  return mend;
 }
 
 void drop_repeated(Soup& soup, MendingLog& log) {

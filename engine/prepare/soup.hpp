@@ -65,6 +65,24 @@ class Unions {
   std::vector<Index> parent_;
 };
 
+/// What the coordinates can tell apart, as diagnose() has it. Counts in edges of the bounding box, so that
+/// neither huge nor tiny coordinates overflow; where even that cannot be had, nothing compares as short or flat.
+class Precision {
+ public:
+  explicit Precision(const Soup& soup);
+  double distance(Vec3 a, Vec3 b) const { return norm(scale_ * (b - a)); }
+  /// Altitudes up to this cannot be told from none: 4 ulps of the largest coordinate.
+  double least_altitude() const { return least_altitude_; }
+  /// False where a coordinate is no number.
+  bool is_flat(Vec3 a, Vec3 b, Vec3 c) const;
+
+ private:
+  double scale_, least_altitude_;
+};
+
+/// Marks the triangles of components that hold a flat triangle and are manifold along edges and oriented.
+std::vector<char> triangles_to_mend(const Soup& soup, const Precision& precision);
+
 /// Drops triangles that name a vertex twice.
 void drop_repeated(Soup& soup, MendingLog& log);
 

@@ -1,6 +1,7 @@
 // Everything that is wrong with a mesh, found in one pass, with ids.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "engine/exec/parallel.hpp"
@@ -15,6 +16,7 @@ struct Defect {
   ElementKind element = ElementKind::None;
   std::vector<Index> ids;
   Offset count = 0;
+  std::string what = {};  ///< instead of the usual sentence of its code, where that would not be true
 };
 
 /// What a mesh is and what is wrong with it.
@@ -40,6 +42,10 @@ struct Diagnosis {
 /// Fails: never for indices in range; IndexOutOfRange, TooLarge (nothing else can be said then).
 /// Cost: O(T log T) in parallel, some 60 bytes a triangle.
 Result<Diagnosis> diagnose(const Exec& exec, const Surface& surface);
+
+/// Whether a surface can carry features and be cut: no defect but closed components and handles.
+/// Fails: the first other defect, as refusal() says it; what diagnose() fails with.
+Result<void> check_manifold(const Exec& exec, const Surface& surface);
 
 /// The first defect as an error that also names the other kinds; call only when !usable().
 Error refusal(const Diagnosis& diagnosis);

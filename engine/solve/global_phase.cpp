@@ -8,6 +8,10 @@
 
 #include "engine/solve/supernode_tree.hpp"
 
+/// Never called: its address tells which library the matrix products come from. Weak, so that a BLAS with other
+/// names links too.
+extern "C" void dgemm_() __attribute__((weak));
+
 namespace planish {
 namespace {
 
@@ -18,22 +22,38 @@ class OneBlasThread {
  public:
   OneBlasThread() {
     const std::lock_guard lock(mutex_);
-    if (holders_++ > 0 || !set() || !get()) return;
-    before_ = get()();
-    set()(1);
+    if (holders_++ > 0 || !threads().get || !threads().set) return;
+    before_ = threads().get();
+    threads().set(1);
   }
   ~OneBlasThread() {
     const std::lock_guard lock(mutex_);
-    if (--holders_ == 0 && set() && get()) set()(before_);
+    if (--holders_ == 0 && threads().get && threads().set) threads().set(before_);
   }
   OneBlasThread(const OneBlasThread&) = delete;
   OneBlasThread& operator=(const OneBlasThread&) = delete;
 
  private:
-  using Set = void (*)(int);
-  using Get = int (*)();
-  static Set set() { return reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads")); }
-  static Get get() { return reinterpret_cast<Get>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads")); }
+  struct Threads {
+    void (*set)(int) = nullptr;
+    int (*get)() = nullptr;
+  };
+  static const Threads& threads() {
+    static const Threads found = find();
+    return found;
+  }
+  /// Looked up in the library of the matrix products: where a plugin brought it, the process does not see it.
+  static Threads find() {
+    Dl_info blas{};
+    void* const library = dladdr(reinterpret_cast<void*>(&dgemm_), &blas) != 0
+                              ? dlopen(blas.dli_fname, RTLD_LAZY | RTLD_NOLOAD)
+                              : nullptr;
+    void* const scope = library ? library : RTLD_DEFAULT;
+    const Threads found{reinterpret_cast<void (*)(int)>(dlsym(scope, "openblas_set_num_threads")),
+                        reinterpret_cast<int (*)()>(dlsym(scope, "openblas_get_num_threads"))};
+    if (library) dlclose(library);  // it stays loaded: it was before
+    return found;
+  }
   static inline std::mutex mutex_;
   static inline int holders_ = 0;
   static inline int before_ = 1;

@@ -137,8 +137,6 @@ void check_origins(const Mesh& input, const Repair& repair_of) {
 
 }  // namespace
 
-#ifdef PLANISH_WITH_CGAL_GPL
-
 TEST_CASE("repair: a mesh that needs nothing comes back as it was") {
   Mesh mesh = grid(4);
   mesh.position.push_back({9, 9, 9});  // unreferenced
@@ -168,6 +166,7 @@ TEST_CASE("repair: triangles with vertices of their own are welded along their e
   const Repair whole = repaired(mesh);
   CHECK(num_referenced(whole.mesh) == welded.num_vertices());
   CHECK(edges_of(whole.mesh).open == 20);
+  CHECK(area_of(whole.mesh) == doctest::Approx(25));
   CHECK(count_of(whole, "merged") == mesh.num_vertices() - welded.num_vertices());
   check_origins(mesh, whole);
   for (Index c = 0; c < static_cast<Index>(mesh.corner_vertex.size()); ++c) {
@@ -201,24 +200,6 @@ TEST_CASE(
   CHECK(edges_of(whole.mesh).crowded == 0);
   CHECK(num_referenced(whole.mesh) == 25 + 3);
   CHECK(ids_of(whole, "left apart") == std::vector<Index>{n, n + 1});
-}
-
-TEST_CASE("repair: an edge without length stays where closing it would pinch a tube") {
-  Mesh mesh;  // triangular tube of two storeys, its waist an edge without length
-  for (double z : {-1.0, 0.0, 1.0}) {
-    for (Vec2 p : {Vec2{0, 0}, Vec2{z == 0 ? 0.0 : 1.0, 0}, Vec2{0, 1}})
-      mesh.position.push_back({p.x, p.y, z});
-  }
-  for (Index ring : {0, 3}) {
-    for (Index i = 0; i < 3; ++i) {
-      const Index a = ring + i, b = ring + (i + 1) % 3;
-      add_triangle(mesh, a, b, b + 3);
-      add_triangle(mesh, a, b + 3, a + 3);
-    }
-  }
-  const Repair same = repaired(mesh);
-  CHECK(same.mesh.corner_vertex == mesh.corner_vertex);
-  CHECK(ids_of(same, "left apart") == std::vector<Index>{4});
 }
 
 TEST_CASE("repair: triangles that name a vertex twice, and copies of triangles, are dropped") {
@@ -332,83 +313,6 @@ TEST_CASE("repair: an edge without length is closed") {
   CHECK(num_referenced(mended.mesh) - edges_of(mended.mesh).all + mended.mesh.num_triangles() == 1);
 }
 
-TEST_CASE("repair: an edge shorter than the coordinates can tell is closed") {
-  Mesh mesh = grid(4);
-  mesh.position[12] = mesh.position[13] - Vec3{4e-16, 0, 0};
-  REQUIRE(mesh.position[12] != mesh.position[13]);
-  const Repair mended = repaired(mesh);
-  CHECK(count_of(mended, "shorter than the coordinates") == 1);
-  CHECK(mended.mesh.num_triangles() == 30);
-  CHECK(smallest_area(mended.mesh) > 0.1);
-  CHECK(edges_of(mended.mesh).open == 16);
-}
-
-TEST_CASE("repair: a cap inside is flipped away, without a hole and without loss of area") {
-  // Square 0 1 2 3 with vertex 4 on its diagonal 0 2, both sides triangulated differently: 0 4 2 is a cap.
-  Mesh mesh;
-  mesh.position = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}};
-  for (Index v : {0, 1, 4, 1, 2, 4, 0, 4, 2, 0, 2, 3}) mesh.corner_vertex.push_back(v);
-  mesh.uv_sets.push_back({"vt", {}, false});
-  for (Index c = 0; c < 12; ++c) mesh.uv_sets[0].corner_uv.push_back({1.0 * c, 0.5});
-  const Repair mended = repaired(mesh);
-  CHECK(ids_of(mended, "flipped") == std::vector<Index>{2});
-  CHECK(mended.mesh.num_triangles() == 4);
-  CHECK(smallest_area(mended.mesh) > 0.2);
-  CHECK(area_of(mended.mesh) == doctest::Approx(1));
-  CHECK(edges_of(mended.mesh).open == 4);
-  CHECK(edges_of(mended.mesh).disagreeing == 0);
-  // Corners take their uv along: vertex 3 was corner 11 only, vertex 4 of the cap corner 7.
-  const std::vector<Index>& corner_vertex = mended.mesh.corner_vertex;
-  for (Index c = 6; c < 12; ++c) {
-    const double origin = mended.mesh.uv_sets[0].corner_uv[c].x;
-    CHECK(mesh.corner_vertex[static_cast<Index>(origin)] == corner_vertex[c]);
-    if (corner_vertex[c] == 4) CHECK(origin == 7);
-    if (corner_vertex[c] == 3) CHECK(origin == 11);
-  }
-}
-
-TEST_CASE("repair: caps in a row along one edge all go") {
-  Mesh mesh;
-  mesh.position = {{0, 0, 0}, {4, 0, 0}, {2, 3, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {2, -3, 0}};
-  for (Index v : {4, 5, 1, 3, 4, 1, 0, 3, 1, 0, 1, 2, 0, 6, 3, 3, 6, 4, 4, 6, 5, 5, 6, 1}) {
-    mesh.corner_vertex.push_back(v);
-  }
-  REQUIRE(edges_of(mesh).open == 4);
-  REQUIRE(edges_of(mesh).disagreeing == 0);
-  const Repair mended = repaired(mesh);
-  CHECK(smallest_area(mended.mesh) > 0.5);
-  CHECK(area_of(mended.mesh) == doctest::Approx(12));
-  CHECK(edges_of(mended.mesh).open == 4);
-  CHECK(edges_of(mended.mesh).loops == 1);
-}
-
-TEST_CASE("repair: a cap at the border goes, and a mesh of nothing else is left without triangles") {
-  Mesh mesh = grid(2);
-  mesh.position.push_back({0, 0.5, 0});
-  // Vertex 9 on the border edge 3 0 of triangle 0 4 3.
-  mesh.corner_vertex.resize(3);
-  for (Index v : {0, 4, 9, 9, 4, 3, 3, 0, 9}) mesh.corner_vertex.push_back(v);
-  const Repair mended = repaired(mesh);
-  CHECK(ids_of(mended, "at the border") == std::vector<Index>{3});
-  CHECK(smallest_area(mended.mesh) > 0.2);
-  CHECK(edges_of(mended.mesh).loops == 1);
-  Mesh flat;
-  flat.position = {{0, 0, 0}, {1, 0, 0}, {2.7, 0, 0}};
-  flat.corner_vertex = {0, 1, 2};
-  CHECK(repaired(flat).mesh.num_triangles() == 0);
-  CHECK(repaired(flat).mesh.num_vertices() == 3);
-}
-
-TEST_CASE("repair: a cap whose removal would tear the surface stays") {
-  // Two squares joined by a triangle without area, its long edge on the border, its apex too.
-  Mesh mesh;
-  mesh.position = {{0, 0, 0}, {2, 0, 0}, {1, 0, 0}, {0.5, -1, 0}, {1.5, -1, 0}};
-  for (Index v : {0, 2, 1, 0, 3, 2, 2, 4, 1}) mesh.corner_vertex.push_back(v);
-  const Repair same = repaired(mesh);
-  CHECK(same.mesh.num_triangles() == 3);
-  CHECK(same.mendings.empty());
-}
-
 TEST_CASE("repair: size and place do not make a triangle flat, thinness does") {
   for (double scale : {1e-9, 1.0, 1e9}) {
     Mesh mesh = grid(3);
@@ -498,12 +402,148 @@ TEST_CASE("repair: a vertex that does not exist is named with its triangle") {
   CHECK(failed.error().ids == std::vector<Index>{1});
 }
 
+TEST_CASE("repair: coordinates too large or too small to be scaled make no triangle flat") {
+  for (double scale : {1e-200, 1e200, 0.9e308}) {
+    CAPTURE(scale);
+    Mesh mesh = grid(2);  // 2 by 2: the last is wider than doubles can hold
+    for (Vec3& p : mesh.position) p = scale * (p - Vec3{1, 1, 0});
+    const Repair same = repaired(mesh);
+    CHECK(same.mendings.empty());
+    CHECK(same.mesh.corner_vertex == mesh.corner_vertex);
+  }
+}
+
+#ifdef PLANISH_WITH_CGAL_GPL
+
+TEST_CASE("repair: an edge without length stays where closing it would pinch a tube") {
+  Mesh mesh;  // triangular tube of two storeys, its waist an edge without length
+  for (double z : {-1.0, 0.0, 1.0}) {
+    for (Vec2 p : {Vec2{0, 0}, Vec2{z == 0 ? 0.0 : 1.0, 0}, Vec2{0, 1}})
+      mesh.position.push_back({p.x, p.y, z});
+  }
+  for (Index ring : {0, 3}) {
+    for (Index i = 0; i < 3; ++i) {
+      const Index a = ring + i, b = ring + (i + 1) % 3;
+      add_triangle(mesh, a, b, b + 3);
+      add_triangle(mesh, a, b + 3, a + 3);
+    }
+  }
+  const Repair same = repaired(mesh);
+  CHECK(same.mesh.corner_vertex == mesh.corner_vertex);
+  CHECK(ids_of(same, "left apart") == std::vector<Index>{4});
+}
+
+TEST_CASE("repair: an edge shorter than the coordinates can tell is closed") {
+  Mesh mesh = grid(4);
+  mesh.position[12] = mesh.position[13] - Vec3{4e-16, 0, 0};
+  REQUIRE(mesh.position[12] != mesh.position[13]);
+  const Repair mended = repaired(mesh);
+  CHECK(count_of(mended, "shorter than the coordinates") == 1);
+  CHECK(mended.mesh.num_triangles() == 30);
+  CHECK(smallest_area(mended.mesh) > 0.1);
+  CHECK(edges_of(mended.mesh).open == 16);
+}
+
+TEST_CASE("repair: a cap inside is flipped away, without a hole and without loss of area") {
+  // Square 0 1 2 3 with vertex 4 on its diagonal 0 2, both sides triangulated differently: 0 4 2 is a cap.
+  Mesh mesh;
+  mesh.position = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}};
+  for (Index v : {0, 1, 4, 1, 2, 4, 0, 4, 2, 0, 2, 3}) mesh.corner_vertex.push_back(v);
+  mesh.uv_sets.push_back({"vt", {}, false});
+  for (Index c = 0; c < 12; ++c) mesh.uv_sets[0].corner_uv.push_back({1.0 * c, 0.5});
+  const Repair mended = repaired(mesh);
+  CHECK(ids_of(mended, "flipped") == std::vector<Index>{2});
+  CHECK(mended.mesh.num_triangles() == 4);
+  CHECK(smallest_area(mended.mesh) > 0.2);
+  CHECK(area_of(mended.mesh) == doctest::Approx(1));
+  CHECK(edges_of(mended.mesh).open == 4);
+  CHECK(edges_of(mended.mesh).disagreeing == 0);
+  // Corners take their uv along: vertex 3 was corner 11 only, vertex 4 of the cap corner 7.
+  const std::vector<Index>& corner_vertex = mended.mesh.corner_vertex;
+  for (Index c = 6; c < 12; ++c) {
+    const double origin = mended.mesh.uv_sets[0].corner_uv[c].x;
+    CHECK(mesh.corner_vertex[static_cast<Index>(origin)] == corner_vertex[c]);
+    if (corner_vertex[c] == 4) CHECK(origin == 7);
+    if (corner_vertex[c] == 3) CHECK(origin == 11);
+  }
+}
+
+TEST_CASE("repair: caps in a row along one edge all go") {
+  Mesh mesh;
+  mesh.position = {{0, 0, 0}, {4, 0, 0}, {2, 3, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {2, -3, 0}};
+  for (Index v : {4, 5, 1, 3, 4, 1, 0, 3, 1, 0, 1, 2, 0, 6, 3, 3, 6, 4, 4, 6, 5, 5, 6, 1}) {
+    mesh.corner_vertex.push_back(v);
+  }
+  REQUIRE(edges_of(mesh).open == 4);
+  REQUIRE(edges_of(mesh).disagreeing == 0);
+  const Repair mended = repaired(mesh);
+  CHECK(smallest_area(mended.mesh) > 0.5);
+  CHECK(area_of(mended.mesh) == doctest::Approx(12));
+  CHECK(edges_of(mended.mesh).open == 4);
+  CHECK(edges_of(mended.mesh).loops == 1);
+}
+
+TEST_CASE("repair: a cap at the border goes, and a mesh of nothing else is left without triangles") {
+  Mesh mesh = grid(2);
+  mesh.position.push_back({0, 0.5, 0});
+  // Vertex 9 on the border edge 3 0 of triangle 0 4 3.
+  mesh.corner_vertex.resize(3);
+  for (Index v : {0, 4, 9, 9, 4, 3, 3, 0, 9}) mesh.corner_vertex.push_back(v);
+  const Repair mended = repaired(mesh);
+  CHECK(ids_of(mended, "at the border") == std::vector<Index>{3});
+  CHECK(smallest_area(mended.mesh) > 0.2);
+  CHECK(edges_of(mended.mesh).loops == 1);
+  Mesh flat;
+  flat.position = {{0, 0, 0}, {1, 0, 0}, {2.7, 0, 0}};
+  flat.corner_vertex = {0, 1, 2};
+  CHECK(repaired(flat).mesh.num_triangles() == 0);
+  CHECK(repaired(flat).mesh.num_vertices() == 3);
+}
+
+TEST_CASE("repair: a cap whose removal would tear the surface stays") {
+  // Two squares joined by a triangle without area, its long edge on the border, its apex too.
+  Mesh mesh;
+  mesh.position = {{0, 0, 0}, {2, 0, 0}, {1, 0, 0}, {0.5, -1, 0}, {1.5, -1, 0}};
+  for (Index v : {0, 2, 1, 0, 3, 2, 2, 4, 1}) mesh.corner_vertex.push_back(v);
+  const Repair same = repaired(mesh);
+  CHECK(same.mesh.num_triangles() == 3);
+  CHECK(same.mendings.empty());
+}
+
+TEST_CASE("repair: triangles without area are found in huge and tiny coordinates too") {
+  for (double scale : {1e-200, 1.0, 1e200}) {
+    CAPTURE(scale);
+    Mesh mesh;
+    mesh.position = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}};
+    for (Vec3& p : mesh.position) p = scale * p;
+    for (Index v : {0, 1, 4, 1, 2, 4, 0, 4, 2, 0, 2, 3}) mesh.corner_vertex.push_back(v);
+    CHECK(ids_of(repaired(mesh), "flipped") == std::vector<Index>{2});
+  }
+}
+
 #else
 
-TEST_CASE("repair: a build without CGAL's GPL packages says so") {
-  const auto failed = repair(grid(1));
+TEST_CASE("repair: without CGAL's GPL packages triangles without area are refused, with their ids") {
+  Mesh mesh = unwelded(grid(2));
+  const Index n = mesh.num_vertices();
+  mesh.corner_vertex.insert(mesh.corner_vertex.begin(), {0, 0, 1});  // dropped: ids are those of the input
+  for (Vec3 p : {Vec3{9, 0, 0}, Vec3{10, 0, 0}, Vec3{11.7, 0, 0}}) mesh.position.push_back(p);
+  add_triangle(mesh, n, n + 1, n + 2);
+  const auto failed = repair(mesh);
   REQUIRE_FALSE(failed.has_value());
   CHECK(failed.error().code == ErrorCode::NotBuilt);
+  CHECK(failed.error().element == ElementKind::Triangle);
+  CHECK(failed.error().ids == std::vector<Index>{9});
+  CHECK(failed.error().count == 1);
+}
+
+TEST_CASE("repair: without CGAL's GPL packages components it would not touch are left to diagnose()") {
+  Mesh mesh = grid(2);
+  for (Vec3 p : {Vec3{1, 1, 1}, Vec3{1, 1, 2}}) mesh.position.push_back(p);
+  add_triangle(mesh, 0, 4, 9);   // a fin: the component is not manifold
+  add_triangle(mesh, 9, 4, 10);  // and has no area there
+  const Repair same = repaired(mesh);
+  CHECK(same.mesh.corner_vertex == mesh.corner_vertex);
 }
 
 #endif

@@ -129,6 +129,138 @@ TEST_CASE("validate: closed, with handles, one-sided") {
   CHECK(find(diagnosis_of(shapes::moebius(20)), ErrorCode::NotOrientable));
 }
 
+namespace {
+
+/// A flat sheet with a third triangle on one of its edges.
+Mesh sheet_with_fin() {
+  Mesh mesh = shapes::height_field(5, shapes::flat, 0);
+  const Index a = mesh.corner_vertex[0], b = mesh.corner_vertex[2];  // a diagonal: interior
+  mesh.position.push_back({0, 0, 1});
+  mesh.corner_vertex.insert(mesh.corner_vertex.end(), {a, b, mesh.num_vertices() - 1});
+  return mesh;
+}
+
+/// A torus without some of its triangles.
+Mesh torus_without(std::initializer_list<Index> triangles) {
+  Mesh mesh = shapes::torus(12);
+  for (const Index t : triangles) {
+    for (Index c = 3 * t; c < 3 * t + 3; ++c) mesh.corner_vertex[c] = kNone;
+  }
+  std::erase(mesh.corner_vertex, kNone);
+  return mesh;
+}
+
+void turn(Mesh& mesh, Index t) { std::swap(mesh.corner_vertex[3 * t + 1], mesh.corner_vertex[3 * t + 2]); }
+
+std::vector<Index> ids_of(const Diagnosis& diagnosis, ErrorCode code) {
+  const Defect* defect = find(diagnosis, code);
+  return defect ? defect->ids : std::vector<Index>{};
+}
+
+/// Components of every kind, some vertices unused.
+Mesh manifold_parts() {
+  Mesh all = shapes::cube(1);
+  for (const Mesh& part :
+       {shapes::wavy_disk(60), shapes::torus(7), torus_without({5}), shapes::frame(6, shapes::flat),
+        torus_without({0, 100, 101, 200}), shapes::cube(2), torus_without({40, 41})}) {
+    all = shapes::joined(all, part);
+  }
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("validate: sound components are judged alike with and without a broken one beside them") {
+  const Mesh parts = manifold_parts();
+  const Diagnosis alone = diagnosis_of(parts);
+  REQUIRE(find(alone, ErrorCode::ClosedComponent)->count == 3);
+  REQUIRE(find(alone, ErrorCode::HasHandles)->count == 4);
+  CHECK(alone.genus == 4);
+  Mesh doubled = shapes::triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  doubled.corner_vertex.insert(doubled.corner_vertex.end(), {0, 1, 2});
+  for (const auto& [broken, code] : {std::pair{sheet_with_fin(), ErrorCode::NonManifoldEdge},
+                                     {shapes::moebius(20), ErrorCode::NotOrientable},
+                                     {doubled, ErrorCode::DuplicateTriangle}}) {
+    const Diagnosis beside = diagnosis_of(shapes::joined(parts, broken));
+    CAPTURE(name(code));
+    CHECK(find(beside, code));
+    CHECK(beside.genus == kNone);
+    for (const ErrorCode judged : {ErrorCode::ClosedComponent, ErrorCode::HasHandles}) {
+      CHECK(ids_of(beside, judged) == ids_of(alone, judged));
+    }
+  }
+}
+
+TEST_CASE("validate: triangles turned around do not hide that a component is closed or has handles") {
+  Mesh parts = manifold_parts();
+  const Diagnosis sound = diagnosis_of(parts);
+  shapes::Random random(3);
+  for (int round = 0; round < 10; ++round) {
+    for (int i = 0; i < 30; ++i) {
+      turn(parts, static_cast<Index>(random.uniform() * parts.num_triangles()));
+    }
+    const Diagnosis turned = diagnosis_of(parts);
+    REQUIRE(find(turned, ErrorCode::InconsistentOrientation));
+    for (const ErrorCode judged : {ErrorCode::ClosedComponent, ErrorCode::HasHandles}) {
+      CHECK(ids_of(turned, judged) == ids_of(sound, judged));
+    }
+  }
+}
+
+TEST_CASE("validate: two closed components that touch in a vertex are closed each") {
+  Mesh mesh = shapes::joined(shapes::cube(1), shapes::cube(1));
+  std::replace(mesh.corner_vertex.begin() + 36, mesh.corner_vertex.end(), 8, 0);
+  const Diagnosis diagnosis = diagnosis_of(mesh);
+  CHECK(ids_of(diagnosis, ErrorCode::NonManifoldVertex) == std::vector<Index>{0});
+  CHECK(ids_of(diagnosis, ErrorCode::ClosedComponent) == std::vector<Index>{0, 12});
+}
+
+TEST_CASE("validate: components that are no manifold themselves are not called closed or with handles") {
+  SUBCASE("closed, with a fin") {
+    Mesh mesh = shapes::cube(1);
+    mesh.position.push_back({2, 2, 2});
+    mesh.corner_vertex.insert(mesh.corner_vertex.end(), {mesh.corner_vertex[0], mesh.corner_vertex[1], 8});
+    CHECK(diagnosis_of(mesh).defects.size() == 1);
+    CHECK(find(diagnosis_of(mesh), ErrorCode::NonManifoldEdge));
+  }
+  SUBCASE("closed, touching itself in a vertex") {
+    Mesh mesh = shapes::torus(12);
+    std::replace(mesh.corner_vertex.begin(), mesh.corner_vertex.end(), 78, 0);
+    check_only(mesh, ErrorCode::NonManifoldVertex, {0});
+  }
+  SUBCASE("a Klein bottle") {
+    Mesh mesh = shapes::torus(12);
+    // The last row of quads meets the first vertices in the opposite direction.
+    for (Index c = 6 * 12 * 11; c < static_cast<Index>(mesh.corner_vertex.size()); ++c) {
+      Index& v = mesh.corner_vertex[c];
+      if (v < 12) v = (12 - v) % 12;
+    }
+    const Diagnosis diagnosis = diagnosis_of(mesh);
+    CHECK(find(diagnosis, ErrorCode::NotOrientable));
+    CHECK_FALSE(find(diagnosis, ErrorCode::ClosedComponent));
+    CHECK_FALSE(find(diagnosis, ErrorCode::HasHandles));
+  }
+}
+
+TEST_CASE("validate: coordinates that doubles cannot scale are refused for what they are") {
+  const Mesh mesh = shapes::wavy_disk(200);  // 2 wide
+  for (const double factor : {1.7e308, 1e-309}) {
+    CAPTURE(factor);
+    const Diagnosis diagnosis = diagnosis_of(shapes::scaled(mesh, factor));
+    REQUIRE(diagnosis.defects.size() == 1);
+    CHECK(diagnosis.defects[0].ids.empty());
+    CHECK(diagnosis.defects[0].what ==
+          (factor > 1 ? "the coordinates of the vertices span more than doubles can hold"
+                      : "the coordinates of the vertices span less than doubles can scale"));
+    CHECK(exit_code(refusal(diagnosis).code) == 4);
+    CHECK(refusal(diagnosis).what == diagnosis.defects[0].what);
+  }
+  for (const double factor : {0.4e308, 1e-307}) {
+    CAPTURE(factor);
+    CHECK(diagnosis_of(shapes::scaled(mesh, factor)).usable());
+  }
+}
+
 TEST_CASE("validate: a thin triangle is refused only below the precision of its coordinates") {
   const auto sliver = [](double offset, double height) {
     return shapes::triangle({offset, 0, 0}, {offset + 1, 0, 0}, {offset + 0.5, height, 0});
