@@ -172,11 +172,35 @@ int write_new_file(const std::string& name, std::string_view content, const stru
   return error;
 }
 
+/// With the slash at its end; empty for a bare name.
+std::string folder_of(const std::string& path) {
+  const std::size_t slash = path.rfind('/');
+  return slash == std::string::npos ? "" : path.substr(0, slash + 1);
+}
+
+/// A link keeps pointing where it does: its target is what is replaced.
+std::string replaced_path(const std::string& path) {
+  const std::unique_ptr<char, decltype(&std::free)> target(realpath(path.c_str(), nullptr), &std::free);
+  return target ? target.get() : path;
+}
+
+/// 0, or errno: why nothing can be written to path.
+int obstacle(const std::string& path) {
+  if (path.empty()) return ENOENT;
+  struct stat status {};
+  if (stat(path.c_str(), &status) == 0) {
+    if (S_ISDIR(status.st_mode)) return EISDIR;
+    if (!S_ISREG(status.st_mode)) return access(path.c_str(), W_OK) == 0 ? 0 : errno;
+  } else if (errno != ENOENT) {
+    return errno;
+  }
+  const std::string folder = folder_of(replaced_path(path));
+  return access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0 ? 0 : errno;
+}
+
 std::string temporary_name(const std::string& path) {
   static std::atomic<unsigned> serial = 0;
-  const std::size_t slash = path.rfind('/');
-  const std::string folder = slash == std::string::npos ? "" : path.substr(0, slash + 1);
-  return folder + ".planish-" + std::to_string(getpid()) + "-" + std::to_string(serial++) + ".tmp";
+  return folder_of(path) + ".planish-" + std::to_string(getpid()) + "-" + std::to_string(serial++) + ".tmp";
 }
 
 Result<void> write_by_rename(const std::string& path, std::string_view content, const struct stat* replaced) {
@@ -237,9 +261,13 @@ Result<void> write_file(const std::string& path, std::string_view content) {
   struct stat status {};
   const bool exists = stat(path.c_str(), &status) == 0;
   if (exists && !S_ISREG(status.st_mode)) return write_directly(path, content);  // a pipe or a device
-  // A link keeps pointing where it does: its target is what is replaced.
-  const std::unique_ptr<char, decltype(&std::free)> target(realpath(path.c_str(), nullptr), &std::free);
-  return write_by_rename(target ? target.get() : path, content, exists ? &status : nullptr);
+  return write_by_rename(replaced_path(path), content, exists ? &status : nullptr);
+}
+
+Result<void> check_writable(const std::string& path) {
+  if (const int error = obstacle(path))
+    return io_failure(ErrorCode::CannotWrite, "cannot write", path, error);
+  return {};
 }
 
 void abandon_writes() noexcept { temporary_names.unlink_all(); }

@@ -32,6 +32,11 @@ class FileBytes {
 /// Fails: CannotWrite (no such folder, no permission, disk full); OutOfMemory.
 Result<void> write_file(const std::string& path, std::string_view content);
 
+/// Whether write_file(path) could begin, asked before the work whose result it is to write; nothing is
+/// touched. What changes in the meantime, and a full disk, only write_file itself can tell.
+/// Fails: CannotWrite (no such folder, no permission, the path is a folder).
+Result<void> check_writable(const std::string& path);
+
 /// Removes temporary files of writes in progress; async-signal-safe, for a program about to leave.
 void abandon_writes() noexcept;
 

@@ -34,6 +34,8 @@ class ObjParser {
       parse_face();
     } else if (keyword == "vt") {
       parse_uv();
+    } else if (keyword == "vn") {
+      ++chunk_.normals;
     } else if (keyword == "g" || keyword == "o" || keyword == "s" || keyword == "usemtl" ||
                keyword == "mtllib") {
       cursor_.move_to(begin);

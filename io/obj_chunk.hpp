@@ -40,6 +40,7 @@ struct ObjChunk {
   ObjIndices corner_vertex;
   ObjIndices corner_uv;  ///< value[c] = kNone where a corner has none
   Index corners_with_uv = 0;
+  Offset normals = 0;           ///< lines of them, which are not read
   std::vector<Index> face_end;  ///< corners up to the end of each face
   std::vector<ObjStatement> statements;
   std::optional<ObjFault> fault;  ///< parsing stopped here

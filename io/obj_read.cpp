@@ -12,7 +12,7 @@ namespace {
 /// Elements of the whole file before each chunk.
 struct ObjBase {
   Offset vertices = 0, uvs = 0, corners = 0, faces = 0;
-  Offset coloured = 0, corners_with_uv = 0, statements = 0;
+  Offset coloured = 0, corners_with_uv = 0, statements = 0, normals = 0;
 };
 
 struct ObjFile {
@@ -36,6 +36,7 @@ std::vector<ObjBase> scan(const std::vector<ObjChunk>& chunks) {
     next.coloured += static_cast<Offset>(chunk.colour.size());
     next.corners_with_uv += chunk.corners_with_uv;
     next.statements += static_cast<Offset>(chunk.statements.size());
+    next.normals += chunk.normals;
     base.push_back(next);
   }
   return base;
@@ -131,6 +132,13 @@ void keep_colours(const Exec& exec, const ObjFile& obj, Mesh& mesh) {
     }
     mesh.vertex_attributes.push_back(std::move(attribute));
   }
+}
+
+void warn_of_normals(const ObjFile& obj, Mesh& mesh) {
+  const Offset normals = obj.total().normals;
+  if (normals == 0) return;
+  mesh.warnings.push_back(std::to_string(normals) + (normals == 1 ? " normal is" : " normals are") +
+                          " not kept");
 }
 
 /// Verbatim but for joined line ends, which become a space.
@@ -232,6 +240,7 @@ Result<Mesh> read_obj(const Exec& exec, std::string_view bytes, const std::strin
   keep_head_comments(bytes, mesh);
   keep_colours(exec, obj, mesh);
   keep_statements(obj, mesh);
+  warn_of_normals(obj, mesh);
   if (const auto kept = keep_faces(exec, obj, mesh); !kept) return fail(kept.error());
   return mesh;
 }

@@ -128,6 +128,51 @@ TEST_CASE("file: a failed write is an error and leaves nothing behind") {
   CHECK(folder.names() == std::vector<std::string>{"sub"});
 }
 
+TEST_CASE(
+    "file: whether a path can be written is told beforehand as write_file tells it, and touches nothing") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "sub");
+  REQUIRE(write_file(folder / "old", "x"));
+  std::filesystem::create_symlink(folder / "sub", folder / "link_to_folder");
+  std::filesystem::create_symlink(folder / "old", folder / "link");
+  std::filesystem::create_symlink(folder / "none", folder / "dangling");
+  const auto names = folder.names();
+  for (const std::string path :
+       {"no/such/folder", "sub", "sub/", "none/", "old/below", "link_to_folder", "."}) {
+    CAPTURE(path);
+    const auto refused = check_writable(folder / path);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().code == ErrorCode::CannotWrite);
+    CHECK(refused.error().place.file == folder / path);
+    CHECK(folder.names() == names);
+    CHECK_FALSE(write_file(folder / path, "x").has_value());
+  }
+  CHECK_FALSE(check_writable("").has_value());
+  CHECK_FALSE(check_writable(folder / std::string(300, 'n')).has_value());
+  for (const std::string path : {"new", "old", "sub/new", "link", "dangling", "link_to_folder/other"}) {
+    CAPTURE(path);
+    CHECK(check_writable(folder / path).has_value());
+    CHECK(folder.names() == names);
+  }
+  CHECK(check_writable("bare-name").has_value() == (access(".", W_OK | X_OK) == 0));
+  CHECK(check_writable("/dev/null").has_value());
+  for (const std::string path : {"new", "old", "sub/new", "link", "dangling", "link_to_folder/other"}) {
+    CHECK(write_file(folder / path, "x").has_value());
+  }
+}
+
+TEST_CASE("file: a folder without permission is refused beforehand") {
+  if (geteuid() == 0) {
+    MESSAGE("no permission is missing for this user");
+    return;
+  }
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "closed");
+  REQUIRE(chmod((folder / "closed").c_str(), 0500) == 0);
+  CHECK_FALSE(check_writable(folder / "closed/new").has_value());
+  CHECK(chmod((folder / "closed").c_str(), 0700) == 0);
+}
+
 TEST_CASE("file: a full device is noticed") {
   if (!std::filesystem::exists("/dev/full")) {
     MESSAGE("no /dev/full here");

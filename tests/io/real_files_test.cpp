@@ -121,6 +121,7 @@ TEST_CASE("real files: written and read again they are the same bit for bit") {
     CAPTURE(name);
     Mesh mesh = *read_mesh(exec, kFolder + name);
     mesh.uv_sets.clear();
+    mesh.warnings.clear();  // of normals, which are not written
     std::vector<std::string> warnings;
     CHECK(same_mesh(must_read(read_obj, format_obj(exec, {.mesh = &mesh}, warnings)), mesh));
     mesh.statements.clear();
