@@ -18,9 +18,20 @@ add_library(planish_cholmod INTERFACE)
 target_include_directories(planish_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
 target_link_libraries(planish_cholmod INTERFACE ${CHOLMOD_LIBRARY} BLAS::BLAS)
 
+# Embree 4 where there is one, else 3: the source tells them apart by the header that is found.
+find_path(EMBREE_INCLUDE_DIR NAMES embree4/rtcore.h embree3/rtcore.h REQUIRED)
+if(EXISTS ${EMBREE_INCLUDE_DIR}/embree4/rtcore.h)
+  find_library(EMBREE_LIBRARY embree4 REQUIRED)
+else()
+  find_library(EMBREE_LIBRARY embree3 REQUIRED)
+endif()
+add_library(planish_embree INTERFACE)
+target_include_directories(planish_embree SYSTEM INTERFACE ${EMBREE_INCLUDE_DIR})
+target_link_libraries(planish_embree INTERFACE ${EMBREE_LIBRARY})
+
 # What the library's objects link to; none of it shows in a public header but tl-expected.
 add_library(planish_third_party INTERFACE)
-target_link_libraries(planish_third_party INTERFACE TBB::tbb planish_cholmod ZLIB::ZLIB fmt::fmt PkgConfig::CAIRO
+target_link_libraries(planish_third_party INTERFACE TBB::tbb planish_cholmod planish_embree ZLIB::ZLIB fmt::fmt PkgConfig::CAIRO
                                                     ${CMAKE_DL_LIBS})
 if(PLANISH_WITH_CGAL_GPL)
   target_link_libraries(planish_third_party INTERFACE CGAL::CGAL)

@@ -1,0 +1,123 @@
+#include "engine/features/curve.hpp"
+
+#include <algorithm>
+
+#include "engine/features/feature_error.hpp"
+#include "engine/features/trace.hpp"
+
+namespace planish {
+namespace {
+
+class CurveInsertion {
+ public:
+  CurveInsertion(RefinedMesh& mesh, const Surface& input, const CurveOnSurface& curve)
+      : mesh_(mesh), input_(input), curve_(curve) {}
+
+  Result<EmbeddedCurve> operator()() {
+    std::vector<Index> place;  // vertex of each point
+    for (std::size_t k = 0; k < curve_.at.size(); ++k) {
+      bool moved = false;
+      place.push_back(mesh_.insert(curve_.at[k], kSnapShare, moved));
+      embedded_.snapped += moved ? 1 : 0;
+      deviate(norm(mesh_.position(place.back()) - curve_.given[k]));
+    }
+    chain_.push_back(place.front());
+    const std::size_t n = place.size();
+    for (std::size_t k = 1; k < n + (curve_.closed ? 1 : 0); ++k) {
+      if (auto done = go_on(k - 1, k % n, place[k % n]); !done) return fail(done.error());
+    }
+    return close();
+  }
+
+ private:
+  Failure failure(ErrorCode code, const std::string& what, std::size_t i, std::size_t j) const {
+    OffendingIds points;
+    points.add(static_cast<Index>(i));
+    points.add(static_cast<Index>(j));
+    return fail(points.of(feature_error(code, curve_.name, what), ElementKind::Point));
+  }
+
+  Vec3 normal(std::size_t k) const {
+    const Index* v = &input_.corner_vertex[3 * curve_.at[k].triangle];
+    const Vec3 n =
+        cross(input_.position[v[1]] - input_.position[v[0]], input_.position[v[2]] - input_.position[v[0]]);
+    const double length = norm(n);
+    return length > 0 ? (1 / length) * n : n;
+  }
+
+  /// From the chain's end to the vertex of point j.
+  Result<void> go_on(std::size_t i, std::size_t j, Index target) {
+    if (chain_.back() == target) return {};  // closer than the tolerance
+    const Chord chord{curve_.given[i], curve_.given[j], curve_.allowed};
+    for (const Vec3 n : {normal(i) + normal(j), normal(i), normal(j)}) {
+      if (auto path = path_in_plane(mesh_, chain_.back(), target, n, chord))
+        return follow(*path, i, j, target);
+    }
+    if (auto path = path_in_strip(mesh_, chain_.back(), target, chord)) return follow(*path, i, j, target);
+    return failure(ErrorCode::FeatureLeavesSurface,
+                   "no path over the surface stays within " + in_words(curve_.allowed) +
+                       " of the polyline between two of its points",
+                   i, j);
+  }
+
+  Result<void> follow(const SurfacePath& path, std::size_t i, std::size_t j, Index target) {
+    for (const Crossing& crossing : path) {
+      if (auto done = step_to(vertex_at(crossing), i, j); !done) return done;
+    }
+    return step_to(target, i, j);
+  }
+
+  void deviate(double distance) { embedded_.deviation = std::max(embedded_.deviation, distance); }
+
+  Index vertex_at(const Crossing& crossing) {
+    if (crossing.head == kNone) return crossing.tail;
+    const Index corner = mesh_.edge_between(crossing.tail, crossing.head);
+    const bool forward = mesh_.vertex(corner) == crossing.tail;
+    return mesh_.split_edge(corner, forward ? crossing.s : 1 - crossing.s, kSnapShare);
+  }
+
+  Result<void> step_to(Index v, std::size_t i, std::size_t j) {
+    if (v == chain_.back()) return {};
+    if (chain_.size() > 1 && v == chain_[chain_.size() - 2]) {
+      // Snapping may bend a path back on itself by as much as it moves points; more is the polyline's doing.
+      if (norm(mesh_.position(v) - mesh_.position(chain_.back())) > curve_.allowed) {
+        return failure(ErrorCode::FeatureBroken, "it turns back on itself between two of its points", i, j);
+      }
+      chain_.pop_back();
+      return {};
+    }
+    const Index edge = mesh_.edge_between(chain_.back(), v);
+    if (edge == kNone) {
+      return failure(ErrorCode::InternalDefect, "its path is not joined between two of its points", i, j);
+    }
+    mesh_.constrain(edge);
+    chain_.push_back(v);
+    // Distance from a segment is convex along an edge: the largest is at a vertex.
+    deviate(distance_to({curve_.given[i], curve_.given[j], curve_.allowed}, mesh_.position(v)));
+    return {};
+  }
+
+  Result<EmbeddedCurve> close() {
+    if (curve_.closed && chain_.size() > 1) chain_.pop_back();  // the first vertex again
+    if (chain_.size() < (curve_.closed ? 3U : 2U)) {
+      return fail(feature_error(ErrorCode::FeatureBroken, curve_.name,
+                                "its points are so close that they are one place of the mesh"));
+    }
+    embedded_.vertex = std::move(chain_);
+    return std::move(embedded_);
+  }
+
+  RefinedMesh& mesh_;
+  const Surface& input_;
+  const CurveOnSurface& curve_;
+  std::vector<Index> chain_;
+  EmbeddedCurve embedded_;
+};
+
+}  // namespace
+
+Result<EmbeddedCurve> embed_curve(RefinedMesh& mesh, const Surface& input, const CurveOnSurface& curve) {
+  return CurveInsertion(mesh, input, curve)();
+}
+
+}  // namespace planish
