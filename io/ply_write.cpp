@@ -1,98 +1,16 @@
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstddef>
-#include <cstring>
 #include <deque>
 #include <set>
 
 #include "io/mesh_files.hpp"
+#include "io/ply_element.hpp"
 #include "io/uv_set.hpp"
 
 namespace planish {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "rows are copied as they lie in memory");
-
-/// Bytes that go into every row: `size` of them, from begin + row * stride.
-struct Column {
-  const char* begin;
-  std::size_t stride, size;
-};
-
-/// The rows of one element and their description.
-class ElementWriter {
- public:
-  ElementWriter(const char* name, Index count) : name_(name), count_(count) {}
-
-  bool has(const std::string& property) const { return names_.contains(property); }
-
-  /// A scalar property: its value in row i is at begin + i * stride + offset. Without rows, begin may be
-  /// null.
-  void add(const std::string& property, Scalar scalar, const void* begin, std::size_t stride,
-           std::size_t offset = 0) {
-    constexpr std::array kTypes = {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
-    names_.insert(property);
-    header_ += std::string("property ") + kTypes[static_cast<int>(scalar)] + " " + property + "\n";
-    const auto* first = static_cast<const char*>(begin);
-    columns_.push_back({count_ > 0 ? first + offset : first, stride, byte_size(scalar)});
-  }
-
-  /// The corners of triangles.
-  void add_triangles(const std::vector<Index>& corner_vertex) {
-    static constexpr char kThree = 3;
-    names_.insert("vertex_indices");
-    header_ += "property list uchar int vertex_indices\n";
-    columns_.push_back({&kThree, 0, 1});
-    columns_.push_back(
-        {reinterpret_cast<const char*>(corner_vertex.data()), 3 * sizeof(Index), 3 * sizeof(Index)});
-  }
-
-  std::string header() const {
-    return std::string("element ") + name_ + " " + std::to_string(count_) + "\n" + header_;
-  }
-  std::size_t row_size() const {
-    std::size_t size = 0;
-    for (const Column& column : columns_) size += column.size;
-    return size;
-  }
-  std::size_t size() const { return row_size() * static_cast<std::size_t>(count_); }
-
-  void write(const Exec& exec, char* out) const {
-    const std::size_t row_bytes = row_size();
-    exec.for_blocks(count_, kBlock, [&](Index, Range r) {
-      std::size_t offset = 0;
-      for (const Column& column : columns_) {
-        write_column(r, column, out + offset, row_bytes);
-        offset += column.size;
-      }
-    });
-  }
-
- private:
-  template <std::size_t kSize>
-  static void copy_rows(Range r, const Column& column, char* out, std::size_t row_bytes) {
-    for (Index row = r.begin; row < r.end; ++row) {
-      std::memcpy(out + row_bytes * static_cast<std::size_t>(row),
-                  column.begin + column.stride * static_cast<std::size_t>(row), kSize);
-    }
-  }
-
-  static void write_column(Range r, const Column& column, char* out, std::size_t row_bytes) {
-    switch (column.size) {
-      case 1: return copy_rows<1>(r, column, out, row_bytes);
-      case 2: return copy_rows<2>(r, column, out, row_bytes);
-      case 4: return copy_rows<4>(r, column, out, row_bytes);
-      case 8: return copy_rows<8>(r, column, out, row_bytes);
-      default: return copy_rows<3 * sizeof(Index)>(r, column, out, row_bytes);
-    }
-  }
-
-  const char* name_;
-  Index count_;
-  std::string header_;
-  std::vector<Column> columns_;
-  std::set<std::string> names_;
-};
 
 /// A statement's keyword and the rest: "g left door" -> {"g", "left door"}.
 std::pair<std::string_view, std::string_view> split_statement(std::string_view text) {
@@ -126,6 +44,37 @@ Naming naming_of(const Mesh& mesh, std::string_view keyword) {
   return naming;
 }
 
+/// An edge of a chain.
+struct EdgeRow {
+  Index vertex1, vertex2;
+  Index feature;
+};
+
+std::vector<EdgeRow> edges_of(const std::vector<Feature>& features) {
+  std::vector<EdgeRow> edges;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const std::vector<Index>& chain = features[i].vertex;
+    const auto add = [&](Index a, Index b) { edges.push_back({a, b, static_cast<Index>(i)}); };
+    for (std::size_t k = 1; k < chain.size(); ++k) add(chain[k - 1], chain[k]);
+    if (features[i].closed) add(chain.back(), chain.front());
+  }
+  return edges;
+}
+
+/// Is it a name of a feature that an earlier run wrote: "feature NUMBER NAME"?
+bool names_a_feature(const std::string& comment) {
+  constexpr std::string_view kWord = "feature ";
+  return comment.starts_with(kWord) && comment.size() > kWord.size() &&
+         std::isdigit(static_cast<unsigned char>(comment[kWord.size()])) != 0;
+}
+
+/// A name that stays on its line.
+std::string on_one_line(std::string name) {
+  std::ranges::replace_if(
+      name, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return name;
+}
+
 class PlyWriter {
  public:
   PlyWriter(const Exec& exec, const MeshOutput& output, std::vector<std::string>& warnings)
@@ -134,24 +83,32 @@ class PlyWriter {
         mesh_(*output.mesh),
         warnings_(warnings),
         vertices_("vertex", mesh_.num_vertices()),
-        faces_("face", mesh_.num_triangles()) {}
+        faces_("face", mesh_.num_triangles()),
+        edge_rows_(output.features == nullptr ? std::vector<EdgeRow>{} : edges_of(*output.features)),
+        edges_("edge", static_cast<Index>(edge_rows_.size())) {}
 
   std::string run() {
     vertices_.add("x", Scalar::Float64, mesh_.position.data(), sizeof(Vec3), offsetof(Vec3, x));
     vertices_.add("y", Scalar::Float64, mesh_.position.data(), sizeof(Vec3), offsetof(Vec3, y));
     vertices_.add("z", Scalar::Float64, mesh_.position.data(), sizeof(Vec3), offsetof(Vec3, z));
     faces_.add_triangles(mesh_.corner_vertex);
-    if (!output_.uv.empty()) add_vertex_uv("s", "t", output_.uv);
+    if (!output_.corner_uv.empty()) {
+      faces_.add_texcoord(output_.corner_uv);
+    } else if (!output_.uv.empty()) {
+      add_vertex_uv("s", "t", output_.uv);
+    }
     add_earlier_uv();
     add_names();
     // Provenance is new; an attribute of the same name comes from an earlier run and gives way.
     const std::set<std::string> vertex_provenance = {"origin_triangle", "b0", "b1", "b2"};
     add_attributes(vertices_, mesh_.vertex_attributes,
                    output_.vertex_origin_triangle.empty() ? std::set<std::string>{} : vertex_provenance);
-    add_attributes(
-        faces_, mesh_.triangle_attributes,
-        output_.triangle_origin.empty() ? std::set<std::string>{} : std::set<std::string>{"origin"});
+    std::set<std::string> superseded;
+    if (!output_.triangle_origin.empty()) superseded.insert("origin");
+    if (has_regions()) superseded.insert("region");
+    add_attributes(faces_, mesh_.triangle_attributes, superseded);
     add_provenance();
+    if (output_.features != nullptr) add_features(*output_.features);
     return text();
   }
 
@@ -161,7 +118,7 @@ class PlyWriter {
     vertices_.add(v, Scalar::Float64, uv.data(), sizeof(Vec2), offsetof(Vec2, y));
   }
 
-  /// The parameterizations of the input, which output_.uv supersedes: under names that are still free.
+  /// The parameterizations of the input, which the new one supersedes: under names that are still free.
   void add_earlier_uv() {
     for (const UvSet& set : mesh_.uv_sets) {
       const bool kept = set.per_vertex ? add_earlier_vertex_uv(set) : add_seam_uv(set);
@@ -187,6 +144,8 @@ class PlyWriter {
     constexpr std::array kSpellings = {
         Spelling{"st", "s", "t"}, Spelling{"texture_uv", "texture_u", "texture_v"}, Spelling{"uv", "u", "v"}};
     const auto try_spelling = [&](const Spelling& spelling) {
+      // Readers that know s t would take an earlier set there for the new one at the corners.
+      if (!output_.corner_uv.empty() && std::string_view(spelling.set) == "st") return false;
       if (vertices_.has(spelling.u) || vertices_.has(spelling.v)) return false;
       vertex_uv_.push_back(uv_of_vertices(mesh_.corner_vertex, set.corner_uv, mesh_.num_vertices()));
       add_vertex_uv(spelling.u, spelling.v, vertex_uv_.back());
@@ -210,7 +169,7 @@ class PlyWriter {
     return true;
   }
 
-  void add_attributes(ElementWriter& element, const std::vector<Attribute>& attributes,
+  void add_attributes(PlyElement& element, const std::vector<Attribute>& attributes,
                       const std::set<std::string>& superseded) {
     for (const Attribute& attribute : attributes) {
       if (element.has(attribute.name) || superseded.contains(attribute.name)) {
@@ -263,16 +222,58 @@ class PlyWriter {
     }
   }
 
+  bool has_regions() const {
+    return output_.features != nullptr && std::ranges::any_of(*output_.features, &Feature::is_region);
+  }
+
+  void add_features(const std::vector<Feature>& features) {
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      comments_.push_back("feature " + std::to_string(i) + " " + on_one_line(features[i].name));
+    }
+    if (has_regions()) add_regions(features);
+    if (edge_rows_.empty()) return;
+    const EdgeRow* const rows = edge_rows_.data();
+    edges_.add("vertex1", Scalar::Int32, rows, sizeof(EdgeRow), offsetof(EdgeRow, vertex1));
+    edges_.add("vertex2", Scalar::Int32, rows, sizeof(EdgeRow), offsetof(EdgeRow, vertex2));
+    edges_.add("feature", Scalar::Int32, rows, sizeof(EdgeRow), offsetof(EdgeRow, feature));
+  }
+
+  /// A triangle has one number: of several regions that share it, the last one's.
+  void add_regions(const std::vector<Feature>& features) {
+    region_.assign(mesh_.num_triangles(), kNone);
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      Index taken = 0;
+      for (const Index t : features[i].triangle) {
+        if (region_[t] != kNone) ++taken;
+        region_[t] = static_cast<Index>(i);
+      }
+      if (taken == 0) continue;
+      warnings_.push_back("the property 'region' holds one number a face: " + std::to_string(taken) +
+                          " faces of earlier regions are given to '" + features[i].name + "'");
+    }
+    faces_.add("region", Scalar::Int32, region_.data(), sizeof(Index));
+  }
+
   std::string text() const {
     std::string text = "ply\nformat binary_little_endian 1.0\n";
-    for (const auto* comments : {&mesh_.comments, &comments_}) {
-      for (const std::string& comment : *comments) text += "comment " + comment + "\n";
+    for (const std::string& comment : mesh_.comments) {
+      if (output_.features == nullptr || !names_a_feature(comment)) text += "comment " + comment + "\n";
     }
-    text += vertices_.header() + faces_.header() + "end_header\n";
-    const std::size_t begin = text.size();
-    text.resize(begin + vertices_.size() + faces_.size());
-    vertices_.write(exec_, text.data() + begin);
-    faces_.write(exec_, text.data() + begin + vertices_.size());
+    for (const std::string& comment : comments_) text += "comment " + comment + "\n";
+    std::vector<const PlyElement*> elements = {&vertices_, &faces_};
+    if (!edge_rows_.empty()) elements.push_back(&edges_);
+    std::size_t size = 0;
+    for (const PlyElement* element : elements) {
+      text += element->header();
+      size += element->size();
+    }
+    text += "end_header\n";
+    std::size_t begin = text.size();
+    text.resize(begin + size);
+    for (const PlyElement* element : elements) {
+      element->write(exec_, text.data() + begin);
+      begin += element->size();
+    }
     return text;
   }
 
@@ -280,7 +281,10 @@ class PlyWriter {
   const MeshOutput& output_;
   const Mesh& mesh_;
   std::vector<std::string>& warnings_;
-  ElementWriter vertices_, faces_;
+  PlyElement vertices_, faces_;
+  std::vector<EdgeRow> edge_rows_;
+  PlyElement edges_;
+  std::vector<Index> region_;  // [T] number of a region, kNone outside of all
   std::vector<std::string> comments_;
   std::deque<std::vector<Vec2>> vertex_uv_;  // columns point into these
   std::deque<Naming> namings_;

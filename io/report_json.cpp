@@ -89,6 +89,36 @@ Json defect(const Defect& d) {
           {"remedy", remedy(d.code)}};
 }
 
+Json feature_facts(const Feature& feature) {
+  if (feature.is_region()) return {{"triangles", feature.triangle}};
+  return {{"vertices", feature.vertex},
+          {"closed", feature.closed},
+          {"length", number(feature.length)},
+          {"max_deviation", number(feature.max_deviation)}};
+}
+
+void add_embedding(Json& report, const Embedding& e) {
+  // Every triangle of the input has at least one part, so the last origin tells their number.
+  const Index input_triangles =
+      e.triangle_origin.empty() ? 0 : *std::ranges::max_element(e.triangle_origin) + 1;
+  report["embedding"] = {{"vertices_added", e.vertex_origin.size()},
+                         {"triangles_added", static_cast<Offset>(e.triangle_origin.size()) - input_triangles},
+                         {"snapped_points", e.snapped_points}};
+  report["refinement"] = {{"feasibility_splits", e.feasibility_splits}};
+  report["features"] = Json::object();
+  for (const Feature& feature : e.features) report["features"][feature.name] = feature_facts(feature);
+}
+
+void add_cut(Json& report, const CutFacts& cut) {
+  report["cut"] = {
+      {"cut_edges", cut.cut_edges}, {"cut_length", number(cut.cut_length)}, {"charts", cut.charts}};
+}
+
+Json head(const ReportContext& context) {
+  return {
+      {"version", 1}, {"planish", PLANISH_VERSION}, {"command", context.command}, {"input", context.input}};
+}
+
 /// Numbers so that they read back bit for bit; bytes of names and paths that are not UTF-8 as U+FFFD.
 std::string written(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -96,18 +126,28 @@ std::string written(const Json& json) {
 
 }  // namespace
 
-std::string report_json(const Flattening& flattening, const ReportContext& context) {
-  Json report;
-  report["version"] = 1;
-  report["planish"] = PLANISH_VERSION;
-  report["command"] = context.command;
-  report["input"] = context.input;
+std::string report_json(const Flattening& flattening, const ReportContext& context,
+                        const Embedding* embedding, const CutFacts* cut) {
+  Json report = head(context);
   report["mesh"] = mesh_facts(flattening.mesh);
+  if (embedding != nullptr) add_embedding(report, *embedding);
+  if (cut != nullptr) add_cut(report, *cut);
   add_certificate(report, flattening.certificate);
   add_iteration(report, flattening);
   report["timings_s"] = timings(flattening.timings, context.extra_timings);
   report["peak_memory_bytes"] = context.peak_memory_bytes;
   report["threads"] = flattening.threads;
+  report["repairs"] = repairs(context.mendings);
+  report["warnings"] = context.warnings;
+  return written(report);
+}
+
+std::string embed_report_json(const Embedding& embedding, const ReportContext& context, const CutFacts* cut) {
+  Json report = head(context);
+  add_embedding(report, embedding);
+  if (cut != nullptr) add_cut(report, *cut);
+  report["timings_s"] = timings({}, context.extra_timings);
+  report["peak_memory_bytes"] = context.peak_memory_bytes;
   report["repairs"] = repairs(context.mendings);
   report["warnings"] = context.warnings;
   return written(report);
@@ -156,6 +196,7 @@ std::string error_json(const Error& error) {
   json["line"] = known(place.line, place.line > 0);
   json["column"] = known(place.column, place.column > 0);
   json["byte"] = known(place.byte, place.byte >= 0);
+  json["pointer"] = place.pointer.empty() ? Json(nullptr) : Json(place.pointer);
   json["element"] = name(error.element);
   json["ids"] = first_ids(error.ids);
   json["count"] = error.count;

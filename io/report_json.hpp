@@ -1,10 +1,11 @@
-// The report (DESIGN 4.3), the answer of `info --json` and errors, as JSON text: docs/*.schema.json describe
-// the first two. Numbers read back bit for bit; infinite and undefined ones are null.
+// The reports (DESIGN 4.3), the answer of `info --json` and errors, as JSON text: docs/*.schema.json describe
+// all but the last. Numbers read back bit for bit; infinite and undefined ones are null.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "engine/model/embedding.hpp"
 #include "engine/model/flattening.hpp"
 #include "engine/prepare/repair.hpp"
 #include "engine/prepare/validate.hpp"
@@ -21,7 +22,21 @@ struct ReportContext {
   Offset peak_memory_bytes = 0;
 };
 
-std::string report_json(const Flattening& flattening, const ReportContext& context);
+/// What cutting along seams did.
+struct CutFacts {
+  Index cut_edges = 0;    ///< edges with two copies
+  double cut_length = 0;  ///< their length in space, mesh units
+  Index charts = 0;       ///< components after the cut
+};
+
+/// Of `flatten`; without an embedding or a cut the report lacks their parts.
+std::string report_json(const Flattening& flattening, const ReportContext& context,
+                        const Embedding* embedding = nullptr, const CutFacts* cut = nullptr);
+
+/// Of `embed`: a report without a flattening.
+std::string embed_report_json(const Embedding& embedding, const ReportContext& context,
+                              const CutFacts* cut = nullptr);
+
 std::string diagnosis_json(const Diagnosis& diagnosis, const std::string& input,
                            const std::vector<Mending>& mendings, const std::vector<std::string>& warnings);
 

@@ -26,6 +26,31 @@ std::string long_file(Index n) {
   return text;
 }
 
+/// A grid cut along its middle column: the uv of the right half are moved.
+std::vector<Vec2> torn_uv(const Mesh& mesh, Index n) {
+  std::vector<Vec2> corner_uv;
+  for (Index t = 0; t < mesh.num_triangles(); ++t) {
+    const bool right = t / 2 % (n - 1) >= n / 2;
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 p = mesh.position[mesh.corner_vertex[3 * t + i]];
+      corner_uv.push_back({p.x + (right ? 100 : 0), p.y / 3});
+    }
+  }
+  return corner_uv;
+}
+
+std::string written(const MeshOutput& output, int threads = 2) {
+  std::vector<std::string> warnings;
+  return format_obj(Exec(threads), output, warnings);
+}
+
+Index count_lines(const std::string& text, const std::string& head) {
+  Index n = 0;
+  for (std::size_t at = text.find("\n" + head); at != std::string::npos; at = text.find("\n" + head, at + 1))
+    ++n;
+  return n;
+}
+
 }  // namespace
 
 TEST_CASE("obj: all forms of a face corner, absolute and relative") {
@@ -127,7 +152,7 @@ TEST_CASE("obj: the comments at the head are kept, unknown statements passed ove
       read("# one\n\n#two \n" + kSquare + "# later\nvn 0 0 1\nvp 1\nl 1 2\np 1\ncurv 0 1 1 2\nf 1 2 3\n");
   CHECK(mesh.comments == std::vector<std::string>{"one", "two"});
   CHECK(mesh.num_triangles() == 1);
-  CHECK(mesh.warnings.empty());
+  CHECK(mesh.warnings == std::vector<std::string>{"1 normal is not kept"});
 }
 
 TEST_CASE("obj: files without faces are meshes without triangles") {
@@ -192,4 +217,62 @@ TEST_CASE("obj: lines are counted across chunks") {
     REQUIRE(!mesh.has_value());
     check_place(mesh.error(), lines + 1, 7);
   }
+}
+
+TEST_CASE("write obj: uv at corners read back bit for bit, one vt for each different uv of a vertex") {
+  constexpr Index kSize = 21;
+  const Mesh mesh = grid(kSize);
+  const std::vector<Vec2> corner_uv = torn_uv(mesh, kSize), other(mesh.num_vertices());
+  const std::string text = written({.mesh = &mesh, .uv = other, .corner_uv = corner_uv});
+  CHECK(count_lines(text, "vt ") == kSize * kSize + kSize);
+  const Mesh back = read(text);
+  CHECK(back.corner_vertex == mesh.corner_vertex);
+  CHECK(same_bytes(back.position, mesh.position));
+  REQUIRE(back.uv_sets.size() == 1);
+  CHECK(same_bytes(back.uv_sets[0].corner_uv, corner_uv));
+  CHECK_FALSE(back.uv_sets[0].per_vertex);
+}
+
+TEST_CASE("write obj: uv at corners are told apart by their bits") {
+  Mesh mesh = read(kSquare + "v 5 5 5\nf 1 2 3 4\n");  // the last vertex is unreferenced
+  const std::vector<Vec2> corner_uv = {{0.0, 1}, {2, 2}, {3, 3}, {-0.0, 1}, {3, 3}, {4, 4}};
+  const std::string text = written({.mesh = &mesh, .corner_uv = corner_uv});
+  CHECK(count_lines(text, "vt ") == 5);
+  CHECK(same_bytes(read(text).uv_sets.at(0).corner_uv, corner_uv));
+}
+
+TEST_CASE("write obj: a vertex may have as many uv as corners") {
+  constexpr Index kRim = 3000;
+  Mesh fan;
+  fan.position.resize(kRim + 1);
+  std::vector<Vec2> corner_uv;
+  for (Index t = 0; t < kRim; ++t) {
+    for (const Index v : {0, 1 + t, 1 + (t + 1) % kRim}) fan.corner_vertex.push_back(v);
+    for (int i = 0; i < 3; ++i) corner_uv.push_back({t * 0.1, double(i)});
+  }
+  const std::string text = written({.mesh = &fan, .corner_uv = corner_uv});
+  CHECK(count_lines(text, "vt ") == 3 * kRim);
+  CHECK(same_bytes(read(text).uv_sets.at(0).corner_uv, corner_uv));
+}
+
+TEST_CASE("write obj: chains are lines in groups of their names, after the faces") {
+  Mesh mesh = read(kSquare + "g body\nf 1 2 3 4\n");
+  const std::vector<Feature> features = {{"left sill#1\n", {0, 1, 2}, false, 2, 0, {}},
+                                         {"plate", {}, false, 0, 0, {1}},
+                                         {"", {2, 3, 0}, true, 3, 0, {}}};
+  std::vector<std::string> warnings;
+  const std::string text = format_obj(Exec(1), {.mesh = &mesh, .features = &features}, warnings);
+  CHECK(text.ends_with("f 1 3 4\ng left_sill_1_\nl 1 2 3\ng _\nl 3 4 1 3\n"));
+  CHECK(warnings == std::vector<std::string>{"OBJ cannot hold the region 'plate'; write PLY to keep it"});
+  const Mesh back = read(text);
+  CHECK(back.corner_vertex == mesh.corner_vertex);
+  CHECK(back.statements.at(0).triangle == 0);
+  for (std::size_t i = 1; i < back.statements.size(); ++i) CHECK(back.statements[i].triangle == 2);
+}
+
+TEST_CASE("write obj: 1, 2 and 7 threads give the same bytes with uv at corners") {
+  const Mesh mesh = grid(150);
+  const std::vector<Vec2> corner_uv = torn_uv(mesh, 150);
+  const std::string one = written({.mesh = &mesh, .corner_uv = corner_uv}, 1);
+  for (const int threads : {2, 7}) CHECK(written({.mesh = &mesh, .corner_uv = corner_uv}, threads) == one);
 }

@@ -207,3 +207,68 @@ TEST_CASE("ply: 1, 2 and 7 threads give the same mesh") {
     for (const int threads : {2, 7}) CHECK(same_mesh(*read_ply(Exec(threads), file, "part"), *one));
   }
 }
+
+TEST_CASE("write ply: uv at corners are the list texcoord and read back bit for bit") {
+  Mesh mesh = grid(15);
+  std::vector<Vec2> corner_uv, old_uv;
+  for (std::size_t c = 0; c < mesh.corner_vertex.size(); ++c) {
+    corner_uv.push_back({0.1 * static_cast<double>(c), -1e-320});
+    const Vec3 p = mesh.position[mesh.corner_vertex[c]];
+    old_uv.push_back({p.y, p.x});
+  }
+  mesh.uv_sets = {{.name = "st", .corner_uv = old_uv, .per_vertex = true}};
+  std::vector<std::string> warnings;
+  const std::string bytes = format_ply(Exec(2), {.mesh = &mesh, .corner_uv = corner_uv}, warnings);
+  CHECK(warnings.empty());
+  CHECK(bytes.find("property double s\n") == std::string::npos);
+  const Mesh back = read(bytes);
+  REQUIRE(back.uv_sets.size() == 2);
+  CHECK(back.uv_sets[0].name == "texture_uv");
+  CHECK(same_bytes(back.uv_sets[0].corner_uv, old_uv));
+  CHECK(back.uv_sets[1].name == "texcoord");
+  CHECK(same_bytes(back.uv_sets[1].corner_uv, corner_uv));
+}
+
+TEST_CASE("write ply: chains are rows of the element edge, with names in comments") {
+  Mesh mesh = grid(3);
+  mesh.comments = {"feature 0 of an earlier run", "features are good", "feature of a car"};
+  const std::vector<Feature> features = {{"sill", {0, 1, 2}, false, 2, 0, {}},
+                                         {"two\nlines", {4, 5, 8}, true, 3, 0, {}}};
+  std::vector<std::string> warnings;
+  const std::string bytes = format_ply(Exec(2), {.mesh = &mesh, .features = &features}, warnings);
+  CHECK(warnings.empty());
+  CHECK(bytes.find("element edge 5\nproperty int vertex1\nproperty int vertex2\nproperty int "
+                   "feature\nend_header\n") != std::string::npos);
+  std::string rows;
+  for (const Index i : {0, 1, 0, 1, 2, 0, 4, 5, 1, 5, 8, 1, 8, 4, 1}) put(rows, i);
+  CHECK(bytes.ends_with(rows));
+  const Mesh back = read(bytes);
+  CHECK(back.comments == std::vector<std::string>{"features are good", "feature of a car", "feature 0 sill",
+                                                  "feature 1 two lines"});
+  CHECK(back.corner_vertex == mesh.corner_vertex);
+  CHECK(same_bytes(back.position, mesh.position));
+  CHECK(back.warnings == std::vector<std::string>{"element 'edge' (5 rows) is left out"});
+}
+
+TEST_CASE("write ply: regions are a number a face, the last where they share one") {
+  Mesh mesh = grid(3);
+  mesh.triangle_attributes.push_back(column<float>("region", Scalar::Float32, std::vector<float>(8, 2)));
+  const std::vector<Feature> features = {{"sill", {0, 1}, false, 1, 0, {}},
+                                         {"plate", {}, false, 0, 0, {1, 2, 5}},
+                                         {"patch", {}, false, 0, 0, {2, 3}}};
+  std::vector<std::string> warnings;
+  const Mesh back = read(format_ply(Exec(2), {.mesh = &mesh, .features = &features}, warnings));
+  CHECK(values<std::int32_t>(back.triangle_attributes, "region") ==
+        std::vector<std::int32_t>{-1, 1, 2, 2, -1, 1, -1, -1});
+  CHECK(
+      warnings ==
+      std::vector<std::string>{
+          "the input's property 'region' is replaced by a new one of this name",
+          "the property 'region' holds one number a face: 1 faces of earlier regions are given to 'patch'"});
+  const std::vector<Feature> chains = {features[0]}, none;
+  CHECK(values<float>(
+            read(format_ply(Exec(2), {.mesh = &mesh, .features = &chains}, warnings)).triangle_attributes,
+            "region")[0] == 2);
+  CHECK(format_ply(Exec(2), {.mesh = &mesh, .features = &none}, warnings) ==
+        format_ply(Exec(2), {.mesh = &mesh}, warnings));
+}

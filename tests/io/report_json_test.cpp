@@ -77,6 +77,31 @@ json schema(const char* name) {
   return json::parse(file);
 }
 
+Embedding embedding() {
+  Embedding e;
+  e.position.resize(7);
+  e.corner_vertex.resize(15);
+  e.triangle_origin = {0, 1, 1, 2, 0};
+  e.vertex_origin.resize(2);
+  e.snapped_points = 3;
+  e.feasibility_splits = 1;
+  e.features = {{"sill", {4, 5, 6}, false, 0.1 + 0.2, 1e-3 / 3, {}},
+                {"rim", {0, 1, 2}, true, 3, 0, {}},
+                {"plate", {}, false, 0, 0, {1, 4}}};
+  return e;
+}
+
+constexpr CutFacts kCut = {.cut_edges = 12, .cut_length = 3.5, .charts = 2};
+
+std::set<std::string> required(const json& schema) { return schema["required"].get<std::set<std::string>>(); }
+
+/// Keys that stand in all reports and in those of `kind`, as the schema has them.
+std::set<std::string> required_of(const json& schema, const char* kind) {
+  std::set<std::string> names = required(schema);
+  names.merge(required(schema["$defs"][kind]));
+  return names;
+}
+
 Diagnosis diagnosis() {
   Diagnosis d;
   d.vertices = 5;
@@ -106,12 +131,60 @@ TEST_CASE("report_json: infinite and undefined numbers are null") {
 
 TEST_CASE("report_json: the report has the fields of its schema and no others") {
   const json s = schema("report.schema.json"), r = report();
-  check_keys(s, r);
+  CHECK(required_of(s, "flatten") == keys(r));
+  for (const std::string& name : keys(r)) CHECK(s["properties"].contains(name));
+  CHECK(s["additionalProperties"] == false);
   for (const char* part : {"mesh", "energy", "stretch"}) check_keys(s["properties"][part], r[part]);
   for (const char* quantity : {"sigma_max", "sigma_min", "area_ratio", "angle_distortion"}) {
     check_keys(s["$defs"]["spread"], r["stretch"][quantity]);
   }
   for (const char* list : {"history", "repairs"}) check_keys(s["properties"][list]["items"], r[list][0]);
+}
+
+TEST_CASE("report_json: with features and a cut the report has all fields of its schema") {
+  const Embedding e = embedding();
+  const json s = schema("report.schema.json"), r = json::parse(report_json(example(), context(), &e, &kCut));
+  CHECK(keys(r) == keys(s["properties"]));
+  for (const char* part : {"embedding", "refinement", "cut"}) check_keys(s["properties"][part], r[part]);
+  check_keys(s["$defs"]["chain"], r["features"]["sill"]);
+  check_keys(s["$defs"]["region"], r["features"]["plate"]);
+}
+
+TEST_CASE("report_json: features stand under their names, in order, with their numbers bit for bit") {
+  const Embedding e = embedding();
+  const std::string text = report_json(example(), context(), &e, &kCut);
+  const json r = json::parse(text);
+  CHECK(r["embedding"] == json({{"vertices_added", 2}, {"triangles_added", 2}, {"snapped_points", 3}}));
+  CHECK(r["refinement"] == json({{"feasibility_splits", 1}}));
+  CHECK(
+      r["features"]["sill"] ==
+      json({{"vertices", {4, 5, 6}}, {"closed", false}, {"length", 0.1 + 0.2}, {"max_deviation", 1e-3 / 3}}));
+  CHECK(r["features"]["rim"]["closed"] == true);
+  CHECK(r["features"]["plate"] == json({{"triangles", {1, 4}}}));
+  CHECK(r["cut"] == json({{"cut_edges", 12}, {"cut_length", 3.5}, {"charts", 2}}));
+  CHECK(text.find("\"sill\"") < text.find("\"rim\""));
+}
+
+TEST_CASE("embed_report_json: the report has the fields of its kind in the schema and no others") {
+  const json s = schema("report.schema.json"), r = json::parse(embed_report_json(embedding(), context()));
+  CHECK(required_of(s, "embed") == keys(r));
+  for (const auto& [name, value] : s["$defs"]["embed"]["properties"].items()) {
+    CHECK(value == false);
+    CHECK(!r.contains(name));
+    CHECK(required(s["$defs"]["flatten"]).contains(name));
+  }
+  const json cut = json::parse(embed_report_json(embedding(), context(), &kCut));
+  CHECK(cut["cut"]["charts"] == 2);
+  CHECK(cut["timings_s"] == json({{"read", 0.5}, {"write", 0.5}}));
+}
+
+TEST_CASE("embed_report_json: a mesh that needed no change has nothing added") {
+  Embedding e;
+  e.triangle_origin = {0, 1, 2};
+  const json r = json::parse(embed_report_json(e, context()));
+  CHECK(r["embedding"] == json({{"vertices_added", 0}, {"triangles_added", 0}, {"snapped_points", 0}}));
+  CHECK(r["features"] == json::object());
+  CHECK(json::parse(embed_report_json({}, context()))["embedding"]["triangles_added"] == 0);
 }
 
 TEST_CASE("report_json: at most 64 ids are listed beside the full count") {
@@ -178,6 +251,10 @@ TEST_CASE("error_json: an error keeps its place, elements and exit code; what is
                        .ids = {4},
                        .count = 90};
   const json f = json::parse(error_json(elements))["error"];
+  CHECK(e["pointer"].is_null());
+  const Error constraint{.code = ErrorCode::ConstraintInvalid,
+                         .place = {.file = "c.json", .pointer = "/constraints/3/feature"}};
+  CHECK(json::parse(error_json(constraint))["error"]["pointer"] == "/constraints/3/feature");
   CHECK(f["file"].is_null());
   CHECK(f["line"].is_null());
   CHECK(f["ids"] == json::array({4}));
