@@ -10,7 +10,8 @@ namespace {
 constexpr const char* kDescription =
     "planish flattens triangle meshes into the plane as rigidly as possible.\n"
     "Exit codes: 0 done; 1 a defect of planish; 2 usage; 3 input cannot be read; 4 the mesh cannot be used;\n"
-    "6 solved, but flips remain or the tolerance was not met; 7 cannot write; 130 stopped.";
+    "5 the constraints or their features cannot be used; 6 solved, but flips remain or the tolerance was not "
+    "met; 7 cannot write; 130 stopped.";
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -59,12 +60,16 @@ void add_common(CLI::App& app, CommonArgs& common) {
 
 void add_flatten(CLI::App& app, FlattenArgs& args) {
   app.add_option("mesh", args.mesh, "mesh to flatten: .obj .ply .stl .off, each also with .gz")->required();
+  app.add_option("-c,--constraints", args.constraints, "constraint file, JSON: features and seams");
   app.add_option("-o,--output", args.output, "mesh with its parameterization: .ply or .obj, also with .gz");
   app.add_option("--report", args.report, "report, JSON");
   app.add_option("--picture", args.picture, "picture of the flat panel: .png or .svg");
   app.add_option("--flat", args.flat, "flat mesh (u, v, 0): .ply or .obj");
   app.add_flag("--repair", args.repair,
                "mend orientation, duplicates, degenerate triangles, split vertices first");
+  const std::map<std::string, CutMode> cuts = {{"none", CutMode::None}, {"auto", CutMode::Auto}};
+  app.add_option("--cut", args.cut, "none, or auto: open closed parts and handles along short cuts [none]")
+      ->transform(CLI::CheckedTransformer(cuts).description(""));
   const std::map<std::string, Init> inits = {{"uniform", Init::Uniform},
                                              {"cotangent", Init::Cotangent},
                                              {"harmonic", Init::Harmonic},
@@ -79,6 +84,18 @@ void add_flatten(CLI::App& app, FlattenArgs& args) {
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
   app.add_flag("--normalize", args.options.normalize, "scale uv into the unit square (else true scale)");
+}
+
+void add_embed(CLI::App& app, EmbedArgs& args) {
+  app.add_option("mesh", args.mesh, "mesh: .obj .ply .stl .off, each also with .gz")->required();
+  app.add_option("-c,--constraints", args.constraints, "constraint file, JSON, with the features")
+      ->required();
+  app.add_option("-o,--output", args.output,
+                 "mesh with the features in its edges: .ply or .obj, also with .gz");
+  app.add_option("--report", args.report, "report, JSON");
+  app.add_option("--picture", args.picture, "picture of the surface with its features: .png or .svg");
+  app.add_flag("--repair", args.repair,
+               "mend orientation, duplicates, degenerate triangles, split vertices first");
 }
 
 void add_info(CLI::App& app, InfoArgs& args) {
@@ -125,16 +142,23 @@ Result<Args> parse_args(int argc, const char* const* argv) {
   Args args;
   for (int i = 0; i < argc; ++i) args.common.command_line += (i > 0 ? " " : "") + std::string(argv[i]);
   FlattenArgs flatten;
+  EmbedArgs embed;
   InfoArgs info;
   SampleArgs sample;
-  CLI::App* commands[] = {app.add_subcommand("flatten", "flatten a mesh"),
-                          app.add_subcommand("info", "say what a mesh is and what is wrong with it"),
-                          app.add_subcommand("sample", "make a mesh that looks like a scanned panel")};
-  add_flatten(*commands[0], flatten);
-  commands[0]->add_flag("--progress", args.common.progress,
-                        "progress lines even where stderr is not a terminal");
-  add_info(*commands[1], info);
-  add_sample(*commands[2], sample);
+  CLI::App* const flatten_app = app.add_subcommand("flatten", "flatten a mesh");
+  CLI::App* const embed_app =
+      app.add_subcommand("embed", "put features into the edges of a mesh, flatten nothing");
+  CLI::App* const info_app = app.add_subcommand("info", "say what a mesh is and what is wrong with it");
+  CLI::App* const sample_app = app.add_subcommand("sample", "make a mesh that looks like a scanned panel");
+  CLI::App* const commands[] = {flatten_app, embed_app, info_app, sample_app};
+  add_flatten(*flatten_app, flatten);
+  add_embed(*embed_app, embed);
+  add_info(*info_app, info);
+  add_sample(*sample_app, sample);
+  for (CLI::App* command : {flatten_app, embed_app}) {
+    command->add_flag("--progress", args.common.progress,
+                      "progress lines even where stderr is not a terminal");
+  }
   const CLI::App* chosen = nullptr;
   for (CLI::App* command : commands) {
     add_common(*command, args.common);
@@ -161,15 +185,12 @@ Result<Args> parse_args(int argc, const char* const* argv) {
   for (const CLI::App* command : commands) chosen = command->parsed() ? command : chosen;
   if (app.remaining_size(true) > 0) return unknown_words(app, chosen);
   if (!chosen)
-    return fail(ErrorCode::BadUsage, "no command given: flatten, info or sample; see planish --help");
-  if (chosen == commands[0]) {
-    flatten.options.threads = args.common.threads;
-    args.command = flatten;
-  } else if (chosen == commands[1]) {
-    args.command = info;
-  } else {
-    args.command = sample;
-  }
+    return fail(ErrorCode::BadUsage, "no command given: flatten, embed, info or sample; see planish --help");
+  flatten.options.threads = args.common.threads;
+  if (chosen == flatten_app) args.command = flatten;
+  if (chosen == embed_app) args.command = embed;
+  if (chosen == info_app) args.command = info;
+  if (chosen == sample_app) args.command = sample;
   return args;
 }
 

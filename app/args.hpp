@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "engine/cut.hpp"
 #include "engine/model/error.hpp"
 #include "engine/model/options.hpp"
 #include "engine/sample/panels.hpp"
@@ -21,9 +22,15 @@ struct CommonArgs {
 };
 
 struct FlattenArgs {
-  std::string mesh, output, report, picture, flat;
+  std::string mesh, constraints, output, report, picture, flat;
   bool repair = false;
+  CutMode cut = CutMode::None;
   FlattenOptions options;
+};
+
+struct EmbedArgs {
+  std::string mesh, constraints, output, report, picture;
+  bool repair = false;
 };
 
 struct InfoArgs {
@@ -44,7 +51,7 @@ struct TextArgs {
 
 struct Args {
   CommonArgs common;
-  std::variant<TextArgs, FlattenArgs, InfoArgs, SampleArgs> command;
+  std::variant<TextArgs, FlattenArgs, EmbedArgs, InfoArgs, SampleArgs> command;
 };
 
 /// Fails: BadUsage, with the nearest known name where a name is unknown.

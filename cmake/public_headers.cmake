@@ -5,7 +5,10 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   kernels/base/sums.hpp
   kernels/base/radix.hpp
   engine/exec/parallel.hpp
+  engine/model/constraint.hpp
+  engine/model/embedding.hpp
   engine/model/error.hpp
+  engine/model/feature.hpp
   engine/model/mesh.hpp
   engine/model/monitor.hpp
   engine/model/options.hpp
@@ -13,7 +16,12 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   engine/prepare/validate.hpp
   engine/prepare/repair.hpp
   engine/sample/panels.hpp
+  engine/cut.hpp
+  engine/embed.hpp
   engine/flatten.hpp
+  io/carry_over.hpp
+  io/constraints_json.hpp
+  io/feature_picture.hpp
   io/file.hpp
   io/mesh_files.hpp
   io/picture.hpp

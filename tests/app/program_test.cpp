@@ -103,7 +103,7 @@ TEST_CASE("program: errors name the file, are one line, leave no file, and are J
   const Ran plain = run("flatten " + cube + outputs);
   CHECK(plain.code == 4);
   CHECK(one_line(plain.err));
-  CHECK(has(plain.err, "tetrahedron.obj: 1 component without boundary (triangle 0); cut it open"));
+  CHECK(has(plain.err, "tetrahedron.obj: 1 component without boundary (triangle 0); use --cut auto"));
   CHECK(scratch.count() == 1);
   const Ran as_json = run("flatten --json-errors " + cube + outputs);
   CHECK(as_json.code == 4);
@@ -123,6 +123,52 @@ TEST_CASE("program: what cannot be written exits with 7 and leaves nothing") {
   CHECK(one_line(ran.err));
   CHECK(run("flatten " + scratch.file("fold.obj") + " --report /dev/full").code == 7);
   CHECK(scratch.count() == 1);
+}
+
+TEST_CASE("program: one output that cannot be written keeps all from being written, before any work") {
+  const Scratch scratch;
+  write(scratch.file("fold.obj"), kFold);
+  const std::string outputs[] = {" -o " + scratch.file("o.ply"), " --flat " + scratch.file("f.obj"),
+                                 " --picture " + scratch.file("p.png"),
+                                 " --report " + scratch.file("r.json")};
+  const std::string absent = scratch.file("no/such/folder/");
+  const std::string hindered[] = {" -o " + absent + "o.ply", " --flat " + absent + "f.obj",
+                                  " --picture " + absent + "p.svg", " --report " + absent + "r.json"};
+  for (int k = 0; k < 4; ++k) {
+    std::string arguments;
+    for (int i = 0; i < 4; ++i) arguments += i == k ? hindered[i] : outputs[i];
+    const Ran ran = run("flatten --progress " + scratch.file("fold.obj") + arguments);
+    CAPTURE(ran.err);
+    CHECK(ran.code == 7);
+    CHECK(one_line(ran.err));  // no line of progress: nothing was begun
+    CHECK(has(ran.err, absent));
+    CHECK(scratch.count() == 1);
+  }
+  const Ran folder =
+      run("flatten " + scratch.file("fold.obj") + outputs[0] + " --report " + scratch.file(""));
+  CHECK(folder.code == 7);
+  CHECK(scratch.count() == 1);
+}
+
+TEST_CASE("program: sample writes neither mesh nor features where one of them cannot be written") {
+  const Scratch scratch;
+  const std::string absent = scratch.file("no/such/folder/");
+  for (const std::string& arguments : {" -o " + scratch.file("o.ply") + " --features " + absent + "c.json",
+                                       " -o " + absent + "o.ply --features " + scratch.file("c.json")}) {
+    const Ran ran = run("sample hood --triangles 500" + arguments);
+    CAPTURE(ran.err);
+    CHECK(ran.code == 7);
+    CHECK(one_line(ran.err));
+    CHECK(scratch.count() == 0);
+  }
+}
+
+TEST_CASE("program: coordinates that span more than doubles can hold are refused as that, with 4") {
+  const Scratch scratch;
+  write(scratch.file("huge.obj"), "v -1e308 0 0\nv 1e308 0 0\nv 0 1e308 0\nf 1 2 3\n");
+  const Ran ran = run("flatten " + scratch.file("huge.obj"));
+  CHECK(ran.code == 4);
+  CHECK_MESSAGE(has(ran.err, "span more than doubles can hold"), ran.err);
 }
 
 TEST_CASE("program: a tolerance that is not met exits with 6, says so, and writes all the same") {
@@ -152,7 +198,6 @@ TEST_CASE("program: info says what a mesh is, as text and as JSON, and exits 0 f
   }
 }
 
-#ifdef PLANISH_WITH_CGAL_GPL
 TEST_CASE("program: --repair mends, lists what it did, and writes where things come from") {
   const Scratch scratch;
   write(scratch.file("bad.obj"), std::string(kFold) + "f 1 1 2\nf 1 2 3\n");
@@ -163,7 +208,6 @@ TEST_CASE("program: --repair mends, lists what it did, and writes where things c
   CHECK(json::parse(content_of(scratch.file("r.json"))).at("repairs").size() == 2);
   CHECK(has(content_of(scratch.file("o.ply")).substr(0, 1000), "property int origin_triangle"));
 }
-#endif
 
 TEST_CASE("program: progress lines only where asked for, nothing at all with --quiet") {
   const Scratch scratch;

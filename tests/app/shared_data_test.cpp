@@ -20,7 +20,9 @@ struct Expected {
 constexpr Expected kBad[] = {
     {"chair_model.obj", 4, "6377 triangles are copies of earlier ones"},
     {"featuretype.STL", 4, "1 component with handles (genus above 0)"},
-    {"hourglass_ico.obj", 4, "1 vertex joins triangles that form no single fan (vertex 22); use --repair"},
+    {"hourglass_ico.obj", 4,
+     "1 vertex joins triangles that form no single fan (vertex 22); also 2 components without boundary; use "
+     "--repair"},
     {"inverted_triangles.obj", 4, "23889 edges have their two triangles facing opposite sides"},
     {"made_collapsed_edge.obj", 4,
      "2 triangles have no area within the precision of their coordinates (triangles 860, 934); use --repair"},
@@ -56,8 +58,8 @@ constexpr Expected kBad[] = {
 constexpr Expected kClosed[] = {
     {"closed/fertility.off", 4, "1 component without boundary (triangle 0); also 1 component with handles"},
     {"closed/punctured-torus.obj", 4,
-     "1 component with handles (genus above 0) (triangle 0); cut it along a loop through each handle"},
-    {"closed/rocker-arm.obj", 4, "cut it open so that it has a boundary"},
+     "1 component with handles (genus above 0) (triangle 0); use --cut auto"},
+    {"closed/rocker-arm.obj", 4, "use --cut auto, or name a seam that opens it"},
     {"automotive/drivaer_body.obj.gz", 4, "33 edges have more than two triangles"},
 };
 

@@ -1,0 +1,201 @@
+#include <fmt/core.h>
+
+#include <optional>
+
+#include "app/commands.hpp"
+#include "app/featured.hpp"
+#include "app/provenance.hpp"
+#include "engine/cut.hpp"
+#include "engine/flatten.hpp"
+#include "io/file.hpp"
+#include "io/mesh_files.hpp"
+#include "io/picture.hpp"
+#include "io/report_json.hpp"
+
+namespace planish {
+namespace {
+
+class FlattenCommand {
+ public:
+  FlattenCommand(const CommonArgs& common, const FlattenArgs& args)
+      : common_(common),
+        args_(args),
+        exec_(common.threads),
+        progress_(progress_style(common)),
+        monitor_(monitor_of(progress_)) {}
+
+  Result<int> operator()() {
+    return check_outputs({{args_.output, {"ply", "obj"}},
+                          {args_.flat, {"ply", "obj"}},
+                          {args_.picture, {"png", "svg"}},
+                          {args_.report, {}}})
+        .and_then([&] { return read(); })
+        .and_then([&] { return open(); })
+        .and_then([&] { return solve(); })
+        .and_then([&] { return write(); })
+        .map([&] { return conclude(); });
+  }
+
+ private:
+  Result<void> read() {
+    auto featured = read_featured(exec_, args_.mesh, args_.constraints, args_.repair, monitor_, stopwatch_);
+    if (!featured) return fail(featured.error());
+    featured_ = std::move(*featured);
+    warnings_ = featured_.mesh.warnings;
+    if (featured_.set.constraints.empty()) return {};
+    Error error{
+        .code = ErrorCode::NotBuilt,
+        .what = "constraints are not solved by this version; features and seams alone are used without them"};
+    error.place = {.file = args_.constraints, .pointer = "/constraints"};
+    return fail(error);
+  }
+
+  Result<void> open() {
+    if (featured_.set.seams.empty() && args_.cut == CutMode::None) return {};
+    progress_.show({.phase = Phase::Cut});
+    static const std::vector<Feature> kNoFeatures;
+    auto opened = stopwatch_(Phase::Cut, [&] {
+      return cut(mesh().surface(), features() ? *features() : kNoFeatures, featured_.set.seams,
+                 {.mode = args_.cut, .threads = exec_.threads()});
+    });
+    if (!opened) {
+      const bool of_seam = !opened.error().place.pointer.empty();
+      return fail(in_file(opened.error(), of_seam ? args_.constraints : args_.mesh));
+    }
+    cut_ = std::move(*opened);
+    return {};
+  }
+
+  Result<void> solve() {
+    auto result = flatten(flat_surface(), args_.options, monitor_);
+    if (!result) return fail(in_file(result.error(), args_.mesh));
+    flattening_ = std::move(*result);
+    warn_of_unwelded();
+    return {};
+  }
+
+  const Mesh& mesh() const { return featured_.mesh; }
+  const std::vector<Feature>* features() const {
+    return featured_.embedding ? &featured_.embedding->features : nullptr;
+  }
+  /// What is flattened: the mesh, or its copy that was opened.
+  Surface flat_surface() const { return cut_ ? cut_->surface() : mesh().surface(); }
+
+  void warn_of_unwelded() {
+    const MeshFacts& facts = flattening_.mesh;
+    if (facts.duplicate_positions == 0 || cut_) return;
+    warnings_.push_back(
+        fmt::format("{} components were flattened each on its own, but {} vertices lie at the position of "
+                    "another one; if they are one surface, use --repair to merge them",
+                    facts.components, facts.duplicate_positions));
+  }
+
+  /// The report goes last: it states the others' times.
+  Result<void> write() {
+    progress_.show({.phase = Phase::Write});
+    auto written = stopwatch_(Phase::Write, [&] {
+      return write_output().and_then([&] { return write_flat(); }).and_then([&] { return draw(); });
+    });
+    return written ? write_report() : written;
+  }
+
+  Result<void> write_output() {
+    if (args_.output.empty()) return {};
+    const Embedding* embedding = featured_.embedding ? &*featured_.embedding : nullptr;
+    const Provenance provenance = provenance_of(featured_.input, embedding);
+    MeshOutput output{.mesh = &mesh(),
+                      .triangle_origin = provenance.triangle_origin,
+                      .vertex_origin_triangle = provenance.vertex_origin_triangle,
+                      .vertex_barycentric = provenance.vertex_barycentric,
+                      .features = features()};
+    std::vector<Vec2> corner_uv;
+    if (cut_) {
+      for (const Index v : cut_->corner_vertex) corner_uv.push_back(flattening_.uv[v]);
+      output.corner_uv = corner_uv;
+    } else {
+      output.uv = flattening_.uv;
+    }
+    return write_mesh(exec_, args_.output, output, warnings_);
+  }
+
+  Result<void> write_flat() {
+    if (args_.flat.empty()) return {};
+    Mesh flat;
+    flat.corner_vertex.assign(flat_surface().corner_vertex.begin(), flat_surface().corner_vertex.end());
+    for (const Vec2 z : flattening_.uv) flat.position.push_back({z.x, z.y, 0});
+    return write_mesh(exec_, args_.flat, {.mesh = &flat}, warnings_);
+  }
+
+  Result<void> draw() {
+    if (args_.picture.empty()) return {};
+    return write_picture(exec_, args_.picture, flat_surface(), flattening_.uv, flattening_.certificate,
+                         {.title = file_name(args_.mesh)});
+  }
+
+  Result<void> write_report() {
+    if (args_.report.empty()) return {};
+    std::optional<CutFacts> facts;
+    if (cut_) facts = {.cut_edges = cut_->edges, .cut_length = cut_->length, .charts = cut_->charts};
+    return write_file(args_.report, report_json(flattening_,
+                                                {.input = args_.mesh,
+                                                 .command = common_.command_line,
+                                                 .mendings = featured_.input.mendings,
+                                                 .warnings = warnings_,
+                                                 .extra_timings = stopwatch_.times(),
+                                                 .peak_memory_bytes = peak_memory_bytes()},
+                                                featured_.embedding ? &*featured_.embedding : nullptr,
+                                                facts ? &*facts : nullptr));
+  }
+
+  int conclude() {
+    progress_.finish();
+    const Certificate& c = flattening_.certificate;
+    say_warnings(common_, warnings_);
+    if (!common_.quiet) {
+      say_mendings(featured_.input.mendings);
+      if (cut_)
+        fmt::print("cut {} edges, length {:.6g}, into {} charts\n", cut_->edges, cut_->length, cut_->charts);
+      fmt::print(
+          "{} triangles, {} iterations, arap {:.6e}, stretch {:.4f} to {:.4f}, flipped {}, overwound {}, "
+          "overlapping pairs {}\n",
+          flattening_.mesh.triangles, flattening_.iterations, c.arap, c.sigma_min.min, c.sigma_max.max,
+          c.flipped_triangles, c.overwound_vertices, c.overlapping_pairs);
+    }
+    const bool flips = c.flipped_triangles > 0 || c.overwound_vertices > 0;
+    if (!flattening_.converged) say_not_converged();
+    if (flips) {
+      fmt::print(stderr, "planish: {}: {} triangles are flipped and {} vertices overwound in the map\n",
+                 args_.mesh, c.flipped_triangles, c.overwound_vertices);
+    }
+    return flips || !flattening_.converged ? 6 : 0;
+  }
+
+  void say_not_converged() const {
+    fmt::print(
+        stderr,
+        "planish: {}: the tolerance {:g} was not met, the gradient is {:.3g} after {} iterations; {}\n",
+        args_.mesh, args_.options.tolerance, flattening_.gradient, flattening_.iterations,
+        flattening_.iterations < args_.options.max_iterations
+            ? "no step lowers the energy any more, use a larger --tolerance"
+            : "use a larger --max-iterations");
+  }
+
+  const CommonArgs& common_;
+  const FlattenArgs& args_;
+  Exec exec_;
+  ProgressLine progress_;
+  Monitor monitor_;
+  Stopwatch stopwatch_;
+  FeaturedMesh featured_;
+  std::optional<Cut> cut_;
+  std::vector<std::string> warnings_;
+  Flattening flattening_;
+};
+
+}  // namespace
+
+Result<int> run_flatten(const CommonArgs& common, const FlattenArgs& args) {
+  return FlattenCommand(common, args)();
+}
+
+}  // namespace planish
