@@ -1,7 +1,6 @@
 #include "engine/embed.hpp"
 
 #include <algorithm>
-#include <map>
 #include <new>
 #include <optional>
 
@@ -190,33 +189,41 @@ class Embedder {
     feature.vertex = std::move(chain);
   }
 
+  /// A step of a chain along an edge.
+  struct Use {
+    Index low, high;  // ends of the edge
+    Index feature;
+    bool upwards;
+    friend auto operator<=>(const Use&, const Use&) = default;
+  };
+
   /// No edge twice in one chain, and in one direction only in all of them.
   Result<void> check_directions() const {
-    struct Use {
-      Index tail;
-      std::size_t feature;
-    };
-    std::map<std::pair<Index, Index>, Use> uses;
-    std::optional<Error> error;
-    for (std::size_t k = 0; k < result_.features.size() && !error; ++k) {
-      OffendingIds edges;
-      std::size_t other = k;
+    std::vector<Use> uses;
+    for (std::size_t k = 0; k < result_.features.size(); ++k) {
       for_each_edge(result_.features[k], [&](Index u, Index v) {
-        const auto [use, first] = uses.try_emplace(std::minmax(u, v), Use{u, k});
-        if (first || (use->second.feature != k && use->second.tail == u)) return;
-        other = use->second.feature;
-        edges.add(u, v);
+        uses.push_back({std::min(u, v), std::max(u, v), static_cast<Index>(k), u < v});
       });
-      if (edges.empty()) continue;
-      const std::string& name = result_.features[k].name;
-      error =
-          edges.of(other == k ? feature_error(ErrorCode::FeatureBroken, name, "it runs twice along an edge")
-                              : feature_error(ErrorCode::FeaturesOverlap, name,
-                                              "it runs against feature \"" + result_.features[other].name +
-                                                  "\" along their common edges"),
-                   ElementKind::Edge);
     }
-    return error ? fail(*error) : Result<void>();
+    std::sort(uses.begin(), uses.end());
+    OffendingIds edges;
+    Index feature = kNone, other = kNone;  // of the first fault; the edges are those of this pair
+    for (std::size_t i = 1; i < uses.size(); ++i) {
+      const Use &a = uses[i - 1], &b = uses[i];
+      if (a.low != b.low || a.high != b.high || (a.feature != b.feature && a.upwards == b.upwards)) continue;
+      if (feature == kNone) feature = b.feature, other = a.feature;
+      if (feature == b.feature && other == a.feature) {
+        edges.add(b.upwards ? b.low : b.high, b.upwards ? b.high : b.low);
+      }
+    }
+    if (feature == kNone) return {};
+    const std::string& name = result_.features[feature].name;
+    const Error error = feature == other
+                            ? feature_error(ErrorCode::FeatureBroken, name, "it runs twice along an edge")
+                            : feature_error(ErrorCode::FeaturesOverlap, name,
+                                            "it runs against feature \"" + result_.features[other].name +
+                                                "\" along their common edges");
+    return fail(edges.of(error, ElementKind::Edge));
   }
 
   void free_triangles() {

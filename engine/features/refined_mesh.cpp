@@ -28,6 +28,9 @@ SegmentFoot foot_on_segment(Vec2 x, Vec2 a, Vec2 b) {
   return {norm(x - (a + along * d)), along};
 }
 
+/// A point given by barycentric coordinates, in the plane of its triangle.
+Vec2 flat(Vec2 local, const RestFrame& f) { return {local.x * f.x1 + local.y * f.x2, local.y * f.y2}; }
+
 bool inside_unit(double t) { return t > 0 && t < 1; }
 
 }  // namespace
@@ -75,10 +78,9 @@ Vec2 RefinedMesh::local(Index v, Index input_triangle) const {
   return half_edge % 3 == 1 ? Vec2{1 - t, t} : Vec2{0, 1 - t};
 }
 
-Vec2 RefinedMesh::flat(Vec2 local, Index input_triangle) const {
+RestFrame RefinedMesh::frame(Index input_triangle) const {
   const Index* v = &origin_.corner_vertex[3 * input_triangle];
-  const RestFrame f = rest_frame(origin_.position[v[0]], origin_.position[v[1]], origin_.position[v[2]]);
-  return {local.x * f.x1 + local.y * f.x2, local.y * f.y2};
+  return rest_frame(origin_.position[v[0]], origin_.position[v[1]], origin_.position[v[2]]);
 }
 
 Vec3 RefinedMesh::place(const Site& site) const {
@@ -162,11 +164,12 @@ Index RefinedMesh::insert(const SurfacePoint& point, double share, bool& snapped
   const Vec2 at{point.barycentric.y, point.barycentric.z};
   const Index t = locate(input, at);
   const double tolerance = this->tolerance(input, share);
-  const Vec2 x = flat(at, input);
+  const RestFrame frame = this->frame(input);
+  const Vec2 x = flat(at, frame);
   std::array<Vec2, 3> corner;
   std::array<double, 3> distance;
   for (Index i = 0; i < 3; ++i) {
-    corner[i] = flat(local(vertex(3 * t + i), input), input);
+    corner[i] = flat(local(vertex(3 * t + i), input), frame);
     distance[i] = norm(x - corner[i]);
   }
   const auto nearest = std::min_element(distance.begin(), distance.end()) - distance.begin();
@@ -360,7 +363,8 @@ bool RefinedMesh::try_flip(Index corner) {
   const Index p = vertex(corner), q = vertex(next), left = vertex(previous_corner(corner)),
               right = vertex(previous_corner(twin));
   const Vec2 lp = local(p, t), lq = local(q, t), ll = local(left, t), lr = local(right, t);
-  const Vec2 fp = flat(lp, t), fq = flat(lq, t), fl = flat(ll, t), fr = flat(lr, t);
+  const RestFrame frame = this->frame(t);
+  const Vec2 fp = flat(lp, frame), fq = flat(lq, frame), fl = flat(ll, frame), fr = flat(lr, frame);
   const Vec2 a = fp - fl, b = fq - fl, c = fq - fr, d = fp - fr;
   // sin(alpha + beta) < 0 for the angles at left and right
   const double sine = cross(a, b) * dot(c, d) + dot(a, b) * cross(c, d);

@@ -8,6 +8,7 @@
 #include "engine/model/embedding.hpp"
 #include "engine/model/mesh.hpp"
 #include "engine/prepare/topology.hpp"
+#include "kernels/intrinsic/lengths.hpp"
 
 namespace planish {
 
@@ -71,8 +72,7 @@ class RefinedMesh {
 
   /// Barycentric coordinates of corners 1 and 2 of an input triangle that contains v.
   Vec2 local(Index v, Index input_triangle) const;
-  /// The same point in the plane of the triangle, mesh units.
-  Vec2 flat(Vec2 local, Index input_triangle) const;
+  RestFrame frame(Index input_triangle) const;
   Vec3 place(const Site& site) const;
   bool on_input_edge(Index corner) const;
   Index locate(Index input_triangle, Vec2 at) const;
