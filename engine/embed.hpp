@@ -16,7 +16,7 @@ struct EmbedOptions {
 /// move: new vertices lie on its triangles. Original vertices keep their numbers and bits. Chains that cross or
 /// touch share a vertex there. Where constraints prescribe the shape of chains, triangles that this would force
 /// flat are split (DESIGN 3.2). Closed and higher-genus surfaces are welcome.
-/// Fails: the defects of diagnose() but ClosedComponent and HasHandles; IndexOutOfRange, FeatureTooFar,
+/// Fails: the defects of diagnose() but ClosedComponent and HasHandles; FeatureTooFar,
 ///        FeatureLeavesSurface, FeatureBroken, FeaturesOverlap, RegionBroken (place.pointer names the feature's place
 ///        in its file); Cancelled; NotBuilt.
 /// Cost: O(T) once, then O(triangles crossed).

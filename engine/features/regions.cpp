@@ -39,7 +39,7 @@ Result<std::vector<Index>> region_of_triangles(const Surface& surface, const Top
   if (!outside.empty()) {
     const std::string what = "names triangle " + std::to_string(outside.first()) + ", but the mesh has " +
                              std::to_string(surface.num_triangles()) + " triangles, counted from 0";
-    return fail(outside.of(feature_error(ErrorCode::IndexOutOfRange, name, what), ElementKind::Triangle));
+    return fail(outside.of(feature_error(ErrorCode::RegionBroken, name, what), ElementKind::Triangle));
   }
   std::vector<Index> sorted = source.triangle;
   std::sort(sorted.begin(), sorted.end());

@@ -12,7 +12,7 @@
 namespace planish {
 
 /// Checks a list of triangles; returns them ascending.
-/// Fails: IndexOutOfRange; RegionBroken: none, repeated ones, not connected over edges (one triangle of each
+/// Fails: RegionBroken: none, ids that do not exist, repeated ones, not connected over edges (one triangle of each
 /// piece is listed).   Cost: O(T) bytes, O(n log n) of the list.
 Result<std::vector<Index>> region_of_triangles(const Surface& surface, const Topology& topology,
                                                const std::string& name, const TriangleSource& source);

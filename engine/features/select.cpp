@@ -25,7 +25,7 @@ Fault out_of_range(const Surface& surface, const std::string& name, In<Index> li
   if (ids.empty()) return {};
   const std::string what = "names vertex " + std::to_string(ids.first()) + ", but the mesh has " +
                            std::to_string(surface.num_vertices()) + " vertices, counted from 0";
-  return ids.of(feature_error(ErrorCode::IndexOutOfRange, name, what), ElementKind::Vertex);
+  return ids.of(feature_error(ErrorCode::FeatureBroken, name, what), ElementKind::Vertex);
 }
 
 Fault too_short(const std::string& name, const VertexSource& source) {
@@ -207,7 +207,7 @@ Result<std::vector<Index>> chain_of_loop(const Surface& surface, const Topology&
   what += count == 0   ? "no boundary"
           : count == 1 ? "one loop only, number 0"
                        : std::to_string(count) + " loops, 0 to " + std::to_string(count - 1);
-  return fail(feature_error(ErrorCode::IndexOutOfRange, name, what));
+  return fail(feature_error(ErrorCode::FeatureBroken, name, what));
 }
 
 Result<std::vector<Index>> chain_of_nearest_loop(const Surface& surface, const Topology& topology,

@@ -49,7 +49,7 @@ TEST_CASE("select: faulty vertex lists are refused with the vertices and what to
   check_error(model.vertices({}), broken, {}, "at least 2 vertices, 0 are given");
   check_error(model.vertices({3}), broken, {}, "1 is given");
   check_error(model.vertices({3, 4}, true), broken, {}, "at least 3");
-  check_error(model.vertices({3, 25, -1}), ErrorCode::IndexOutOfRange, {25, -1}, "25 vertices");
+  check_error(model.vertices({3, 25, -1}), ErrorCode::FeatureBroken, {25, -1}, "25 vertices");
   check_error(model.vertices({6, 7, 12, 11, 6}), broken, {6}, "set \"closed\"");
   check_error(model.vertices({6, 7, 12, 11, 6}, true), broken, {6}, "leave the last one out");
   check_error(model.vertices({6, 7, 6, 7, 8}), broken, {6, 7}, "several times");
@@ -149,10 +149,10 @@ TEST_CASE("select: a loop that does not exist is refused with the number of loop
   const auto loop = [](const Model& model, Index l) {
     return chain_of_loop(model.mesh.surface(), model.topology, "sill", {l});
   };
-  check_error(loop(frame, 2), ErrorCode::IndexOutOfRange, {}, "2 loops, 0 to 1");
-  check_error(loop(frame, -1), ErrorCode::IndexOutOfRange, {}, "loop -1");
-  check_error(loop(grid(), 1), ErrorCode::IndexOutOfRange, {}, "one loop only");
-  check_error(loop(cube, 0), ErrorCode::IndexOutOfRange, {}, "no boundary");
+  check_error(loop(frame, 2), ErrorCode::FeatureBroken, {}, "2 loops, 0 to 1");
+  check_error(loop(frame, -1), ErrorCode::FeatureBroken, {}, "loop -1");
+  check_error(loop(grid(), 1), ErrorCode::FeatureBroken, {}, "one loop only");
+  check_error(loop(cube, 0), ErrorCode::FeatureBroken, {}, "no boundary");
 }
 
 TEST_CASE("select: the nearest loop is nearest by its edges, not by its vertices") {
