@@ -22,33 +22,58 @@ void add_corners(const Surface& surface, const Topology& topology, const Feature
   }
 }
 
-Result<std::vector<Index>> seam_corners(const Surface& surface, const Topology& topology,
-                                        const std::vector<Feature>& features,
-                                        const std::vector<std::string>& seams) {
-  std::vector<Index> corners;
+Failure bad_seam(const std::vector<std::string>& seams, std::size_t k, const std::string& what) {
+  Error error{.code = ErrorCode::ConstraintInvalid, .what = "seam \"" + seams[k] + "\" " + what};
+  error.place.pointer = "/seams/" + std::to_string(k);
+  return fail(error);
+}
+
+/// Half-edges of each seam.
+Result<std::vector<std::vector<Index>>> seam_corners(const Surface& surface, const Topology& topology,
+                                                     const std::vector<Feature>& features,
+                                                     const std::vector<std::string>& seams) {
+  std::vector<std::vector<Index>> corners(seams.size());
   for (std::size_t k = 0; k < seams.size(); ++k) {
     const auto feature =
         std::find_if(features.begin(), features.end(), [&](const Feature& f) { return f.name == seams[k]; });
-    if (feature == features.end() || feature->vertex.empty()) {
-      Error error{
-          .code = ErrorCode::ConstraintInvalid,
-          .what = "seam \"" + seams[k] + "\" is " +
-                  (feature == features.end() ? "no feature" : "a region, which has no edges to open")};
-      error.place.pointer = "/seams/" + std::to_string(k);
-      return fail(error);
-    }
-    add_corners(surface, topology, *feature, corners);
+    if (feature == features.end()) return bad_seam(seams, k, "is no feature");
+    if (feature->vertex.empty()) return bad_seam(seams, k, "is a region, which has no edges to open");
+    add_corners(surface, topology, *feature, corners[k]);
   }
   return corners;
+}
+
+bool is_parted(const Topology& topology, const CutSurface& opened, Index c) {
+  const Index twin = topology.corner_twin[c];
+  return twin != kNone && (opened.corner_vertex[c] != opened.corner_vertex[next_corner(twin)] ||
+                           opened.corner_vertex[next_corner(c)] != opened.corner_vertex[twin]);
+}
+
+Result<void> check_opened(const Topology& topology, const CutSurface& opened,
+                          const std::vector<std::vector<Index>>& seam,
+                          const std::vector<std::string>& seams) {
+  for (std::size_t k = 0; k < seam.size(); ++k) {
+    const auto parted = [&](Index c) { return is_parted(topology, opened, c); };
+    if (std::none_of(seam[k].begin(), seam[k].end(), parted)) {
+      return bad_seam(
+          seams, k,
+          "opens nothing: it runs along the boundary, or is a single edge inside the surface, whose ends "
+          "keep it shut; make it longer, or let it reach the boundary or another seam");
+    }
+  }
+  return {};
 }
 
 Result<Cut> cut_open(const Exec& exec, const Surface& surface, const std::vector<Feature>& features,
                      const std::vector<std::string>& seams, CutMode mode) {
   if (auto checked = check_manifold(exec, surface); !checked) return fail(checked.error());
   const Topology topology = build_topology(exec, surface);
-  auto corners = seam_corners(surface, topology, features, seams);
-  if (!corners) return fail(corners.error());
-  CutSurface opened = open_along(exec, surface, topology, *corners);
+  const auto seam = seam_corners(surface, topology, features, seams);
+  if (!seam) return fail(seam.error());
+  std::vector<Index> corners;
+  for (const std::vector<Index>& c : *seam) corners.insert(corners.end(), c.begin(), c.end());
+  CutSurface opened = open_along(exec, surface, topology, corners);
+  if (auto done = check_opened(topology, opened, *seam, seams); !done) return fail(done.error());
   if (mode == CutMode::Auto) {
     // Triangles keep their corners when opened, so the corners of both steps are those of the input.
     const Topology parted = build_topology(exec, opened.surface());
@@ -56,8 +81,8 @@ Result<Cut> cut_open(const Exec& exec, const Surface& surface, const std::vector
     for (const Feature& feature : features) add_corners(surface, topology, feature, preferred);
     std::erase_if(preferred, [&](Index c) { return parted.corner_twin[c] == kNone; });
     const CutGraph graph = find_cut_graph(exec, opened.surface(), parted, preferred);
-    corners->insert(corners->end(), graph.corner.begin(), graph.corner.end());
-    opened = open_along(exec, surface, topology, *corners);
+    corners.insert(corners.end(), graph.corner.begin(), graph.corner.end());
+    opened = open_along(exec, surface, topology, corners);
   }
   Cut result{.position = std::move(opened.position),
              .corner_vertex = std::move(opened.corner_vertex),

@@ -33,7 +33,7 @@ struct Cut {
 };
 
 /// Opens the surface along the chains whose names are in `seams`; the cut graph prefers sharp edges and features.
-/// Fails: ConstraintInvalid (a seam that is a region, or not among the features); the defects of diagnose() but
+/// Fails: ConstraintInvalid (a seam that is a region, not among the features, or opens nothing); the defects of diagnose() but
 ///        ClosedComponent and HasHandles.
 /// Cost: O(T log T).
 Result<Cut> cut(const Surface& surface, const std::vector<Feature>& features,

@@ -11,6 +11,7 @@
 #include "engine/features/one_ring.hpp"
 #include "engine/features/plane_cut.hpp"
 #include "engine/features/project.hpp"
+#include "engine/features/references.hpp"
 #include "engine/features/regions.hpp"
 #include "engine/features/select.hpp"
 #include "engine/features/sharp_edges.hpp"
@@ -52,6 +53,7 @@ class Embedder {
     if (auto going = go_on(Phase::Check); !going) return going;
     if (auto checked = check_manifold(exec_, surface_); !checked) return checked;
     topology_ = build_topology(exec_, surface_);
+    if (auto known = check_references(surface_, topology_, set_); !known) return known;
     mesh_.emplace(surface_, topology_);
     result_.features.resize(set_.features.size());
     for (std::size_t k = 0; k < set_.features.size(); ++k) result_.features[k].name = set_.features[k].name;
@@ -121,14 +123,6 @@ class Embedder {
     return {};
   }
 
-  /// Distance from the surface that a curve may have where its file does not say.
-  static double default_distance(In<Vec3> point, bool closed) {
-    constexpr double kShare = 0.01;  // of the length
-    double length = closed ? norm(point.back() - point.front()) : 0;
-    for (std::size_t i = 1; i < point.size(); ++i) length += norm(point[i] - point[i - 1]);
-    return kShare * length;
-  }
-
   Result<void> trace(std::size_t k) {
     const std::string& name = set_.features[k].name;
     if (const auto* s = source<PolylineSource>(k)) {
@@ -136,7 +130,7 @@ class Embedder {
                        .at = projection_[k].at,
                        .given = s->point,
                        .closed = s->closed,
-                       .allowed = s->max_distance.value_or(default_distance(s->point, s->closed))});
+                       .allowed = allowed_distance(*s)});
     }
     if (const auto* s = source<PlaneCutSource>(k)) {
       const auto curve = plane_cut(exec_, surface_, topology_, name, *s);
@@ -145,7 +139,7 @@ class Embedder {
                        .at = curve->at,
                        .given = curve->position,
                        .closed = curve->closed,
-                       .allowed = default_distance(curve->position, curve->closed)});
+                       .allowed = allowed_distance({curve->position, curve->closed, {}})});
     }
     return {};
   }

@@ -17,7 +17,8 @@ struct EmbedOptions {
 /// touch share a vertex there. Where constraints prescribe the shape of chains, triangles that this would force
 /// flat are split (DESIGN 3.2). Closed and higher-genus surfaces are welcome.
 /// Fails: the defects of diagnose() but ClosedComponent and HasHandles; FeatureTooFar,
-///        FeatureLeavesSurface, FeatureBroken, FeaturesOverlap, RegionBroken (place.pointer names the feature's place
+///        FeatureLeavesSurface, FeatureBroken, FeaturesOverlap, RegionBroken, ConstraintInvalid (a
+///        constraint that names vertices or edges which do not exist) (place.pointer names the feature's place
 ///        in its file); Cancelled; NotBuilt.
 /// Cost: O(T) once, then O(triangles crossed).
 /// Ref: Vaitkus and Varady, feature curves (section 2); points projected by closest point, joined by plane sections.

@@ -3,28 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "io/canvas.hpp"
-#include "io/depth_raster.hpp"
 #include "io/feature_labels.hpp"
 #include "io/feature_lines.hpp"
 #include "io/file.hpp"
-#include "io/outline.hpp"
+#include "io/page.hpp"
+#include "io/shaded_surface.hpp"
 #include "io/view.hpp"
 
 namespace planish {
 namespace {
 
-constexpr Rgb kInk{0.13, 0.13, 0.14};
-constexpr Rgb kPale{0.42, 0.42, 0.45};
-constexpr Rgb kPaper{1, 1, 1};
-
-/// Sizes at a picture of 1600 pixels; all but the wireframe scale with the width.
-constexpr double kMargin = 48, kTitleSize = 30, kTitleHeight = 58, kGap = 36, kSmallestPanel = 80;
+/// Sizes at a picture of 1600 pixels.
 constexpr double kChainWidth = 5, kRimWidth = 8, kHiddenWidth = 2.6, kDash = 7, kDashGap = 7;
-constexpr double kBoundaryWidth = 1.6, kLabelSize = 21;
+constexpr double kLabelSize = 21, kSizeTextSize = 17;
 
 struct Box {
   Vec3 lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
@@ -121,42 +114,6 @@ Result<Layout> lay_out(const Box& box, std::size_t num_features, int width) {
   return layout;
 }
 
-/// Light from the upper left on the side that is seen, in [0, 1] before contrast.
-///   point [V] pixels, y down
-std::vector<float> shade(const Exec& exec, In<Index> corner_vertex, In<Vec3> point) {
-  std::vector<Vec3> normal(point.size());
-  for (std::size_t c = 0; c < corner_vertex.size(); c += 3) {
-    const Vec3 a = point[corner_vertex[c]], b = point[corner_vertex[c + 1]], d = point[corner_vertex[c + 2]];
-    const Vec3 n = cross(b - a, d - a);
-    for (int i = 0; i < 3; ++i) normal[corner_vertex[c + i]] = normal[corner_vertex[c + i]] + n;
-  }
-  const Vec3 light = (1 / norm(Vec3{-0.45, -0.55, 0.7})) * Vec3{-0.45, -0.55, 0.7};
-  std::vector<float> grey(point.size());
-  exec.for_blocks(static_cast<Index>(point.size()), kBlock, [&](Index, Range r) {
-    for (Index v = r.begin; v < r.end; ++v) {
-      const double size = normal[v].z < 0 ? -norm(normal[v]) : norm(normal[v]);
-      grey[v] = size != 0 ? static_cast<float>(0.5 + 0.5 * dot(normal[v], light) / size) : 0.5f;
-    }
-  });
-  return grey;
-}
-
-/// Spreads the greys of a nearly flat surface, so that its shape shows; light grey is their middle.
-void add_contrast(std::vector<float>& grey, In<Index> corner_vertex) {
-  constexpr float kMiddle = 0.84f, kDarkest = 0.42f, kBrightest = 0.97f;
-  constexpr float kSpread = 0.26f, kLeastGain = 0.6f, kMostGain = 6;
-  constexpr std::size_t kMostLooks = 100000;
-  std::vector<float> sorted;
-  const std::size_t stride = std::max<std::size_t>(1, corner_vertex.size() / kMostLooks);
-  for (std::size_t c = 0; c < corner_vertex.size(); c += stride) sorted.push_back(grey[corner_vertex[c]]);
-  if (sorted.empty()) return;
-  std::ranges::sort(sorted);
-  const auto percentile = [&](std::size_t p) { return sorted[p * (sorted.size() - 1) / 100]; };
-  const float middle = percentile(50), spread = percentile(95) - percentile(5);
-  const float gain = std::clamp(kSpread / std::max(spread, 1e-6f), kLeastGain, kMostGain);
-  for (float& g : grey) g = std::clamp(kMiddle + gain * (g - middle), kDarkest, kBrightest);
-}
-
 std::vector<Index> tint_of_triangles(const std::vector<Feature>& features, Index num_triangles) {
   std::vector<Index> tint;
   for (std::size_t i = 0; i < features.size(); ++i) {
@@ -165,61 +122,6 @@ std::vector<Index> tint_of_triangles(const std::vector<Feature>& features, Index
     for (const Index t : features[i].triangle) tint[t] = static_cast<Index>(i);
   }
   return tint;
-}
-
-Vec2 flat(Vec3 p) { return {p.x, p.y}; }
-
-/// Lines by their opacity: they fade as they come closer, and are left out before they would merge into grey.
-constexpr int kWireClasses = 8;
-constexpr double kClosestLines = 5, kFullLines = 20, kWireAlpha = 0.3;
-
-/// Height of a triangle over its longest edge, pixels.
-double spacing(In<Index> corner_vertex, In<Vec3> point, Index t) {
-  const auto p = [&](int i) { return flat(point[corner_vertex[3 * t + i]]); };
-  const double longest = std::max({norm(p(1) - p(0)), norm(p(2) - p(1)), norm(p(0) - p(2))});
-  return longest > 0 ? std::abs(cross(p(1) - p(0), p(2) - p(0))) / longest : 0;
-}
-
-/// Inner edges that are seen from end to end.
-void draw_wireframe(Canvas& layer, const Outline& outline, const DepthRaster& surface,
-                    In<Index> corner_vertex, In<Vec3> point, double slack) {
-  std::array<std::vector<Vec2>, kWireClasses> segments;
-  for (const Index c : outline.inner) {
-    const Vec3 a = point[corner_vertex[c]], b = point[corner_vertex[next_corner(c)]];
-    if (norm(flat(b) - flat(a)) < kClosestLines) continue;
-    const Index twin = outline.twin[c];
-    const double own = spacing(corner_vertex, point, c / 3);
-    const double closest = twin == kNone ? own : std::min(own, spacing(corner_vertex, point, twin / 3));
-    if (closest < kClosestLines) continue;
-    if (!surface.sees(a, slack) || !surface.sees(0.5 * (a + b), slack) || !surface.sees(b, slack)) continue;
-    const double strength = std::min((closest - kClosestLines) / (kFullLines - kClosestLines), 0.999);
-    auto& list = segments[static_cast<int>(strength * kWireClasses)];
-    list.push_back(flat(a));
-    list.push_back(flat(b));
-  }
-  for (int k = 0; k < kWireClasses; ++k) {
-    layer.segments(segments[k], {kInk, 0.7, kWireAlpha * (k + 0.5) / kWireClasses});
-  }
-}
-
-void draw_boundary(Canvas& layer, const Outline& outline, const DepthRaster& surface, In<Vec3> point,
-                   double slack, double unit) {
-  for (const auto& chain : outline.boundary) {
-    for (const LineRun& run : split_by_sight(surface, point, chain, false, slack)) {
-      if (run.seen) layer.polyline(run.point, false, {kInk, std::max(0.6, unit * kBoundaryWidth), 0.8});
-    }
-  }
-}
-
-/// The surface without its features, as large as the panel.
-Canvas draw_surface(const Exec& exec, const Layout& layout, const DepthRaster& surface,
-                    In<Index> corner_vertex, In<Vec3> point, double slack) {
-  Canvas layer(Canvas::Format::Png, layout.panel_width, layout.panel_height);
-  layer.image(surface.raster, {});
-  const Outline outline = find_outline(exec, corner_vertex, static_cast<Index>(point.size()));
-  draw_wireframe(layer, outline, surface, corner_vertex, point, slack);
-  draw_boundary(layer, outline, surface, point, slack, layout.unit);
-  return layer;
 }
 
 /// A feature on the page: its runs (chains) and where its name may stand, the best places first.
@@ -242,35 +144,35 @@ std::vector<Vec2> anchors_on(const std::vector<LineRun>& runs) {
 }
 
 /// The triangle nearest to the middle of those that are seen.
-std::vector<Vec2> anchors_in(const Feature& region, In<Index> corner_vertex, In<Vec3> point,
-                             const DepthRaster& surface, double slack) {
+std::vector<Vec2> anchors_in(const Feature& region, const SeenTriangles& triangles,
+                             const DepthRaster& surface) {
   std::vector<Vec2> seen;
   Vec2 sum;
   for (const Index t : region.triangle) {
-    const Vec3 p = (1.0 / 3) * (point[corner_vertex[3 * t]] + point[corner_vertex[3 * t + 1]] +
-                                point[corner_vertex[3 * t + 2]]);
-    if (!surface.sees(p, slack)) continue;
-    seen.push_back(flat(p));
-    sum += flat(p);
+    const auto corner = [&](int i) { return triangles.point[triangles.corner_vertex[3 * t + i]]; };
+    const Vec3 p = (1.0 / 3) * (corner(0) + corner(1) + corner(2));
+    if (!surface.sees(p, kDepthSlack)) continue;
+    seen.push_back({p.x, p.y});
+    sum += seen.back();
   }
   if (seen.empty()) return {};
   const Vec2 middle = (1.0 / static_cast<double>(seen.size())) * sum;
   return {*std::ranges::min_element(seen, {}, [&](Vec2 p) { return norm(p - middle); })};
 }
 
-DrawnFeature place_feature(const Feature& feature, In<Index> corner_vertex, In<Vec3> point,
-                           const DepthRaster& surface, const Layout& layout, double slack) {
+DrawnFeature place_feature(const Feature& feature, const SeenTriangles& triangles, const DepthRaster& surface,
+                           Vec2 panel_corner) {
   DrawnFeature drawn;
   if (feature.is_region()) {
-    drawn.anchors = anchors_in(feature, corner_vertex, point, surface, slack);
+    drawn.anchors = anchors_in(feature, triangles, surface);
   } else {
-    drawn.runs = split_by_sight(surface, point, feature.vertex, feature.closed, slack);
+    drawn.runs = split_by_sight(surface, triangles.point, feature.vertex, feature.closed, kDepthSlack);
     drawn.anchors = anchors_on(drawn.runs);
   }
   for (LineRun& run : drawn.runs) {
-    for (Vec2& p : run.point) p += layout.panel_corner;
+    for (Vec2& p : run.point) p += panel_corner;
   }
-  for (Vec2& p : drawn.anchors) p += layout.panel_corner;
+  for (Vec2& p : drawn.anchors) p += panel_corner;
   return drawn;
 }
 
@@ -316,13 +218,13 @@ std::string size_text(const Box& box, Index num_triangles) {
                      num_triangles == 1 ? "" : "s");
 }
 
-void draw_title(Canvas& canvas, const Layout& layout, const std::string& title, const std::string& size) {
-  const double u = layout.unit, baseline = u * (kMargin + 0.8 * kTitleSize);
-  const TextStyle style{u * kTitleSize, kInk, true, Anchor::Left};
-  const TextStyle size_style{u * 17, kPale, false, Anchor::Right};
-  canvas.text({layout.width - u * kMargin, baseline}, size, size_style);
+/// The title at the left, its size at the right.
+void draw_heading(Canvas& canvas, const Layout& layout, const std::string& title, const std::string& size) {
+  const double u = layout.unit;
+  const TextStyle size_style{u * kSizeTextSize, kPale, false, Anchor::Right};
+  canvas.text({layout.width - u * kMargin, u * kTitleBaseline}, size, size_style);
   const double room = layout.width - 2 * u * kMargin - canvas.text_width(size, size_style) - u * kGap;
-  canvas.text({u * kMargin, baseline}, fitting(canvas, title, room, style), style);
+  draw_title(canvas, title, room, u);
 }
 
 std::vector<Vec3> seen_from(const Exec& exec, const View& view, In<Vec3> position) {
@@ -333,19 +235,37 @@ std::vector<Vec3> seen_from(const Exec& exec, const View& view, In<Vec3> positio
   return point;
 }
 
+void move_to_panel(const Exec& exec, const Layout& layout, std::vector<Vec3>& point) {
+  exec.for_blocks(static_cast<Index>(point.size()), kBlock, [&](Index, Range r) {
+    for (Index v = r.begin; v < r.end; ++v) point[v] = layout.to_panel(point[v]);
+  });
+}
+
+std::vector<Rgb> colours_of(const std::vector<Feature>& features) {
+  std::vector<Rgb> colour;
+  for (std::size_t i = 0; i < features.size(); ++i) colour.push_back(feature_colour(i));
+  return colour;
+}
+
+/// The surface with the features on it, in the panel.
+void draw_panel(const Exec& exec, Canvas& canvas, const SeenTriangles& triangles,
+                const std::vector<Feature>& features, const Layout& layout) {
+  const DepthRaster surface = shade_surface(exec, triangles);
+  canvas.image(draw_surface(exec, triangles, surface, layout.unit), layout.panel_corner);
+  std::vector<DrawnFeature> drawn;
+  for (const Feature& feature : features) {
+    drawn.push_back(place_feature(feature, triangles, surface, layout.panel_corner));
+  }
+  draw_chains(canvas, drawn, layout.unit);
+  draw_names(canvas, features, drawn, layout);
+}
+
 }  // namespace
 
 Result<void> write_feature_picture(const Exec& exec, const std::string& path, const Surface& surface,
                                    const std::vector<Feature>& features, const PictureOptions& options) {
-  const std::string format = format_of(path);
-  if (format != "png" && format != "svg") {
-    return fail(
-        {.code = ErrorCode::UnknownFormat, .what = "a picture is .svg or .png", .place = {.file = path}});
-  }
-  if (options.width < 200 || options.width > 8000) {
-    return fail(ErrorCode::BadUsage,
-                fmt::format("a picture is 200 to 8000 pixels wide, not {}", options.width));
-  }
+  const Result<Canvas::Format> format = check_page(path, options.width);
+  if (!format) return fail(format.error());
   if (auto checked = check_indices(surface, features); !checked) return fail(checked.error());
   if (auto checked = check_positions(surface, features); !checked) return fail(checked.error());
 
@@ -354,33 +274,19 @@ Result<void> write_feature_picture(const Exec& exec, const std::string& path, co
   const Result<Layout> laid_out = lay_out(box, features.size(), options.width);
   if (!laid_out) return fail(laid_out.error());
   const Layout& layout = *laid_out;
-  exec.for_blocks(static_cast<Index>(point.size()), kBlock, [&](Index, Range r) {
-    for (Index v = r.begin; v < r.end; ++v) point[v] = layout.to_panel(point[v]);
-  });
-
-  const In<Index> corner_vertex = surface.corner_vertex;
-  std::vector<float> grey = shade(exec, corner_vertex, point);
-  add_contrast(grey, corner_vertex);
+  move_to_panel(exec, layout, point);
   const std::vector<Index> tint = tint_of_triangles(features, surface.num_triangles());
-  std::vector<Rgb> colour;
-  for (std::size_t i = 0; i < features.size(); ++i) colour.push_back(feature_colour(i));
-  const DepthRaster depth = rasterise_depth(exec, {corner_vertex, point, grey, tint, colour},
-                                            layout.panel_width, layout.panel_height);
-  constexpr double kSlack = 1.5;  // pixels of depth by which what is seen may lie behind
-  std::vector<DrawnFeature> drawn;
-  for (const Feature& feature : features) {
-    drawn.push_back(place_feature(feature, corner_vertex, point, depth, layout, kSlack));
-  }
+  const std::vector<Rgb> tint_colour = colours_of(features);
 
-  Canvas canvas(format == "png" ? Canvas::Format::Png : Canvas::Format::Svg, layout.width, layout.height);
+  Canvas canvas(*format, layout.width, layout.height);
   canvas.fill_rectangle({}, {double(layout.width), double(layout.height)}, kPaper);
-  canvas.image(draw_surface(exec, layout, depth, corner_vertex, point, kSlack), layout.panel_corner);
-  draw_chains(canvas, drawn, layout.unit);
-  draw_names(canvas, features, drawn, layout);
-  draw_title(canvas, layout, options.title, size_text(box, surface.num_triangles()));
+  draw_panel(exec, canvas,
+             {surface.corner_vertex, point, tint, tint_colour, layout.panel_width, layout.panel_height},
+             features, layout);
+  draw_heading(canvas, layout, options.title, size_text(box, surface.num_triangles()));
   draw_feature_list(canvas, features, {layout.unit * kMargin, layout.list_top},
                     layout.width - 2 * layout.unit * kMargin, layout.unit);
-  auto bytes = canvas.finish();
+  const Result<std::string> bytes = canvas.finish();
   if (!bytes) return fail(bytes.error());
   return write_file(path, *bytes);
 }

@@ -7,21 +7,18 @@
 #include <cmath>
 #include <unordered_set>
 
-#include "io/canvas.hpp"
 #include "io/file.hpp"
 #include "io/legend.hpp"
 #include "io/outline.hpp"
+#include "io/page.hpp"
 #include "io/raster.hpp"
 #include "io/stretch_field.hpp"
+#include "io/wireframe.hpp"
 
 namespace planish {
 namespace {
 
-constexpr Rgb kInk{0.13, 0.13, 0.14};
-constexpr Rgb kPaper{1, 1, 1};
-
-/// Sizes at a picture of 1600 pixels; all but the wireframe scale with the width.
-constexpr double kMargin = 48, kTitleSize = 30, kTitleHeight = 58, kGap = 36, kSmallestPanel = 80;
+/// Sizes at a picture of 1600 pixels.
 constexpr double kBoundaryWidth = 2.2;
 constexpr double kRingRadius = 10, kRingWidth = 2.6;
 constexpr double kSmallestMarkUnit = 0.6;  // rings stay visible in small pictures
@@ -43,10 +40,7 @@ struct Layout {
   }
 };
 
-Result<void> check_input(const Surface& surface, In<Vec2> uv, const Certificate& certificate, int width) {
-  if (width < 200 || width > 8000) {
-    return fail(ErrorCode::BadUsage, fmt::format("a picture is 200 to 8000 pixels wide, not {}", width));
-  }
+Result<void> check_input(const Surface& surface, In<Vec2> uv, const Certificate& certificate) {
   if (uv.size() != surface.position.size()) {
     return fail(ErrorCode::BadUsage, fmt::format("a picture needs one uv a vertex: {} for {}", uv.size(),
                                                  surface.position.size()));
@@ -124,69 +118,41 @@ std::vector<Vec2> place_vertices(const Exec& exec, const Layout& layout, In<Vec2
   return point;
 }
 
-/// How far apart the lines of each triangle stand: its height over the longest edge, pixels.
-std::vector<float> line_spacing(const Exec& exec, In<Vec2> point, In<Index> corner_vertex) {
+/// Of each triangle, pixels.
+std::vector<float> spacing_of_lines(const Exec& exec, In<Vec2> point, In<Index> corner_vertex) {
   std::vector<float> spacing(corner_vertex.size() / 3);
   exec.for_blocks(static_cast<Index>(spacing.size()), kBlock, [&](Index, Range r) {
     for (Index t = r.begin; t < r.end; ++t) {
-      const Vec2 a = point[corner_vertex[3 * t]], b = point[corner_vertex[3 * t + 1]],
-                 c = point[corner_vertex[3 * t + 2]];
-      const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
-      spacing[t] = longest > 0 ? static_cast<float>(std::abs(cross(b - a, c - a)) / longest) : 0;
+      const auto corner = [&](int i) { return point[corner_vertex[3 * t + i]]; };
+      spacing[t] = static_cast<float>(line_spacing(corner(0), corner(1), corner(2)));
     }
   });
   return spacing;
 }
 
-/// Lines by their opacity: they fade as they come closer, and are left out before they would merge into grey.
-constexpr int kWireClasses = 8;
-using Wireframe = std::array<std::vector<Vec2>, kWireClasses>;  ///< segments of each class, two points each
-constexpr float kClosestLines = 4, kFullLines = 12;             ///< spacing, pixels
-constexpr double kWireAlpha = 0.42;
-
 Wireframe make_wireframe(const Exec& exec, const Outline& outline, In<Vec2> point, In<Index> corner_vertex) {
-  const std::vector<float> spacing = line_spacing(exec, point, corner_vertex);
-  Wireframe wireframe;
+  const std::vector<float> spacing = spacing_of_lines(exec, point, corner_vertex);
+  Wireframe wireframe({.closest = 4, .full = 12, .alpha = 0.42});
   for (const Index c : outline.inner) {
     const Index twin = outline.twin[c];
     const float closest = twin == kNone ? spacing[c / 3] : std::min(spacing[c / 3], spacing[twin / 3]);
-    if (closest < kClosestLines) continue;
-    const float strength = (closest - kClosestLines) / (kFullLines - kClosestLines);
-    auto& segments = wireframe[static_cast<int>(std::min(strength, 0.999f) * kWireClasses)];
-    segments.push_back(point[corner_vertex[c]]);
-    segments.push_back(point[corner_vertex[next_corner(c)]]);
+    wireframe.add(point[corner_vertex[c]], point[corner_vertex[next_corner(c)]], closest);
   }
   return wireframe;
-}
-
-void draw_wireframe(Canvas& canvas, const Wireframe& wireframe) {
-  for (int k = 0; k < kWireClasses; ++k) {
-    canvas.segments(wireframe[k], {kInk, 0.7, kWireAlpha * (k + 0.5) / kWireClasses});
-  }
-}
-
-std::size_t num_lines(const Wireframe& wireframe) {
-  std::size_t points = 0;
-  for (const auto& segments : wireframe) points += segments.size();
-  return points / 2;
-}
-
-void shift(Vec2 by, std::vector<Vec2>& points) {
-  for (Vec2& p : points) p += by;
 }
 
 /// Colours and wireframe; the wireframe as lines where the file stays small.
 void draw_field(Canvas& canvas, const Layout& layout, const Raster& raster, Wireframe wireframe) {
   constexpr std::size_t kMostVectorLines = 30000;
-  if (canvas.format() == Canvas::Format::Png || num_lines(wireframe) <= kMostVectorLines) {
+  if (canvas.format() == Canvas::Format::Png || wireframe.num_lines() <= kMostVectorLines) {
     canvas.image(raster, layout.panel_corner);
-    for (auto& segments : wireframe) shift(layout.panel_corner, segments);
-    draw_wireframe(canvas, wireframe);
+    wireframe.shift(layout.panel_corner);
+    wireframe.draw(canvas);
     return;
   }
   Canvas layer(Canvas::Format::Png, layout.panel_width, layout.panel_height);
   layer.image(raster, {});
-  draw_wireframe(layer, wireframe);
+  wireframe.draw(layer);
   canvas.image(layer, layout.panel_corner);
 }
 
@@ -220,7 +186,7 @@ void draw_boundary(Canvas& canvas, const Layout& layout, const Outline& outline,
   const double width = boundary_width(lines, raster, layout.unit);
   for (auto& line : lines) {
     const bool closed = line.size() > 2 && line.front() == line.back();
-    shift(layout.panel_corner, line);
+    for (Vec2& p : line) p += layout.panel_corner;
     canvas.polyline(line, closed, {kInk, width, 1});
   }
 }
@@ -248,34 +214,13 @@ void mark_flips(Canvas& canvas, const Layout& layout, In<Index> flipped, In<Inde
   }
 }
 
-/// As much of the title as fits.
-void draw_title(Canvas& canvas, const Layout& layout, std::string title) {
-  const double u = layout.unit;
-  const TextStyle style{u * kTitleSize, kInk, true, Anchor::Left};
-  const double room = layout.width - 2 * u * kMargin;
-  if (canvas.text_width(title, style) > room) {
-    constexpr const char* kEllipsis = "\u2026";
-    const auto is_inside_letter = [&] { return (static_cast<unsigned char>(title.back()) & 0xC0) == 0x80; };
-    do {
-      while (title.size() > 1 && is_inside_letter()) title.pop_back();
-      title.pop_back();
-    } while (!title.empty() && canvas.text_width(title + kEllipsis, style) > room);
-    title += kEllipsis;
-  }
-  canvas.text({u * kMargin, u * (kMargin + 0.8 * kTitleSize)}, title, style);
-}
-
 }  // namespace
 
 Result<void> write_picture(const Exec& exec, const std::string& path, const Surface& surface, In<Vec2> uv,
                            const Certificate& certificate, const PictureOptions& options) {
-  const std::string format = format_of(path);
-  if (format != "png" && format != "svg") {
-    return fail(
-        {.code = ErrorCode::UnknownFormat, .what = "a picture is .svg or .png", .place = {.file = path}});
-  }
-  if (auto checked = check_input(surface, uv, certificate, options.width); !checked)
-    return fail(checked.error());
+  const Result<Canvas::Format> format = check_page(path, options.width);
+  if (!format) return fail(format.error());
+  if (auto checked = check_input(surface, uv, certificate); !checked) return fail(checked.error());
   const Result<Layout> laid_out = lay_out(bounding_box(surface.corner_vertex, uv), options.width);
   if (!laid_out) return fail(laid_out.error());
   const Layout& layout = *laid_out;
@@ -287,12 +232,12 @@ Result<void> write_picture(const Exec& exec, const std::string& path, const Surf
       rasterise(exec, corner_vertex, point, field.value, layout.panel_width, layout.panel_height);
   const Outline outline = find_outline(exec, corner_vertex, surface.num_vertices());
 
-  Canvas canvas(format == "png" ? Canvas::Format::Png : Canvas::Format::Svg, layout.width, layout.height);
+  Canvas canvas(*format, layout.width, layout.height);
   canvas.fill_rectangle({}, {double(layout.width), double(layout.height)}, kPaper);
   draw_field(canvas, layout, raster, make_wireframe(exec, outline, point, corner_vertex));
   draw_boundary(canvas, layout, outline, point, raster);
   mark_flips(canvas, layout, certificate.flipped, corner_vertex, point);
-  draw_title(canvas, layout, options.title);
+  draw_title(canvas, options.title, layout.width - 2 * layout.unit * kMargin, layout.unit);
   draw_legend(canvas,
               {.limit = field.limit,
                .certificate = &certificate,

@@ -19,12 +19,13 @@ class CurveInsertion {
       bool moved = false;
       place.push_back(mesh_.insert(curve_.at[k], kSnapShare, moved));
       embedded_.snapped += moved ? 1 : 0;
-      deviate(norm(mesh_.position(place.back()) - curve_.given[k]));
     }
-    chain_.push_back(place.front());
+    chain_.push_back({place.front(), 0});
+    reached_.push_back(0);
     const std::size_t n = place.size();
     for (std::size_t k = 1; k < n + (curve_.closed ? 1 : 0); ++k) {
       if (auto done = go_on(k - 1, k % n, place[k % n]); !done) return fail(done.error());
+      if (k < n) reached_.push_back(chain_.size() - 1);
     }
     return close();
   }
@@ -47,13 +48,14 @@ class CurveInsertion {
 
   /// From the chain's end to the vertex of point j.
   Result<void> go_on(std::size_t i, std::size_t j, Index target) {
-    if (chain_.back() == target) return {};  // closer than the tolerance
+    if (chain_.back().vertex == target) return {};  // closer than the tolerance
     const Chord chord{curve_.given[i], curve_.given[j], curve_.allowed};
     for (const Vec3 n : {normal(i) + normal(j), normal(i), normal(j)}) {
-      if (auto path = path_in_plane(mesh_, chain_.back(), target, n, chord))
+      if (auto path = path_in_plane(mesh_, chain_.back().vertex, target, n, chord))
         return follow(*path, i, j, target);
     }
-    if (auto path = path_in_strip(mesh_, chain_.back(), target, chord)) return follow(*path, i, j, target);
+    if (auto path = path_in_strip(mesh_, chain_.back().vertex, target, chord))
+      return follow(*path, i, j, target);
     return failure(ErrorCode::FeatureLeavesSurface,
                    "no path over the surface stays within " + in_words(curve_.allowed) +
                        " of the polyline between two of its points",
@@ -67,8 +69,6 @@ class CurveInsertion {
     return step_to(target, i, j);
   }
 
-  void deviate(double distance) { embedded_.deviation = std::max(embedded_.deviation, distance); }
-
   Index vertex_at(const Crossing& crossing) {
     if (crossing.head == kNone) return crossing.tail;
     const Index corner = mesh_.edge_between(crossing.tail, crossing.head);
@@ -77,23 +77,33 @@ class CurveInsertion {
   }
 
   Result<void> step_to(Index v, std::size_t i, std::size_t j) {
-    if (v == chain_.back()) return {};
-    if (chain_.size() > 1 && v == chain_[chain_.size() - 2]) {
-      // Snapping may bend a path back on itself by as much as it moves points; more is the polyline's doing.
-      if (norm(mesh_.position(v) - mesh_.position(chain_.back())) > curve_.allowed) {
-        return failure(ErrorCode::FeatureBroken, "it turns back on itself between two of its points", i, j);
-      }
-      chain_.pop_back();
-      return {};
-    }
-    const Index edge = mesh_.edge_between(chain_.back(), v);
+    if (v == chain_.back().vertex) return {};
+    if (chain_.size() > 1 && v == chain_[chain_.size() - 2].vertex) return step_back(i, j);
+    retraced_ = 0;
+    const Index edge = mesh_.edge_between(chain_.back().vertex, v);
     if (edge == kNone) {
       return failure(ErrorCode::InternalDefect, "its path is not joined between two of its points", i, j);
     }
     mesh_.constrain(edge);
-    chain_.push_back(v);
     // Distance from a segment is convex along an edge: the largest is at a vertex.
-    deviate(distance_to({curve_.given[i], curve_.given[j], curve_.allowed}, mesh_.position(v)));
+    const Chord chord{curve_.given[i], curve_.given[j], curve_.allowed};
+    chain_.push_back({v, distance_to(chord, mesh_.position(v))});
+    return {};
+  }
+
+  /// Snapping may bend a path back on itself by about as much as it moves points: such a step is taken back. More is
+  /// the polyline's own doing.
+  Result<void> step_back(std::size_t i, std::size_t j) {
+    constexpr double kMostSnaps = 4;
+    const double snap = std::max(mesh_.tolerance(curve_.at[i].triangle, kSnapShare),
+                                 mesh_.tolerance(curve_.at[j].triangle, kSnapShare));
+    const Vec3 end = mesh_.position(chain_.back().vertex);
+    retraced_ += norm(mesh_.position(chain_[chain_.size() - 2].vertex) - end);
+    if (retraced_ > kMostSnaps * snap) {
+      return failure(ErrorCode::FeatureBroken, "it turns back on itself between two of its points", i, j);
+    }
+    chain_.pop_back();
+    for (std::size_t k = reached_.size(); k-- > 0 && reached_[k] >= chain_.size();) --reached_[k];
     return {};
   }
 
@@ -103,14 +113,29 @@ class CurveInsertion {
       return fail(feature_error(ErrorCode::FeatureBroken, curve_.name,
                                 "its points are so close that they are one place of the mesh"));
     }
-    embedded_.vertex = std::move(chain_);
+    for (const Step& step : chain_) {
+      embedded_.vertex.push_back(step.vertex);
+      embedded_.deviation = std::max(embedded_.deviation, step.distance);
+    }
+    for (std::size_t k = 0; k < reached_.size(); ++k) {
+      const Index v = chain_[std::min(reached_[k], chain_.size() - 1)].vertex;
+      embedded_.deviation = std::max(embedded_.deviation, norm(mesh_.position(v) - curve_.given[k]));
+    }
     return std::move(embedded_);
   }
+
+  /// A vertex of the chain and its distance from the drawn segment.
+  struct Step {
+    Index vertex;
+    double distance;
+  };
 
   RefinedMesh& mesh_;
   const Surface& input_;
   const CurveOnSurface& curve_;
-  std::vector<Index> chain_;
+  std::vector<Step> chain_;
+  std::vector<std::size_t> reached_;  // where the chain was when it came to each point
+  double retraced_ = 0;               // length taken back since the last step ahead
   EmbeddedCurve embedded_;
 };
 

@@ -10,6 +10,9 @@
 
 namespace planish {
 
+/// How far a polyline may be from the surface: its max_distance, or 1% of its length; mesh units.
+double allowed_distance(const PolylineSource& source);
+
 /// The points of one polyline on the surface.
 struct Projection {
   std::vector<SurfacePoint> at;  ///< [points]

@@ -131,8 +131,8 @@ Index RefinedMesh::locate(Index input_triangle, Vec2 at) const {
     Index next = kNone;
     for (Index i = 0; i < 3 && next == kNone; ++i) {
       const Index c = 3 * t + (i + step) % 3;
+      if (on_input_edge(c)) continue;  // beyond it by rounding only
       if (orient2(local(vertex(c), input_triangle), local(vertex(next_corner(c)), input_triangle), at) < 0) {
-        if (on_input_edge(c)) return t;  // the point is on that edge but for rounding
         next = corner_twin_[c] / 3;
       }
     }
@@ -148,9 +148,9 @@ Index RefinedMesh::locate_by_search(Index input_triangle, Vec2 at) const {
     const Index t = reached[k];
     bool outside = false;
     for (Index c = 3 * t; c < 3 * t + 3; ++c) {
+      if (on_input_edge(c)) continue;
       outside |=
           orient2(local(vertex(c), input_triangle), local(vertex(next_corner(c)), input_triangle), at) < 0;
-      if (on_input_edge(c)) continue;
       const Index next = corner_twin_[c] / 3;
       if (std::find(reached.begin(), reached.end(), next) == reached.end()) reached.push_back(next);
     }

@@ -33,13 +33,18 @@ Result<std::vector<Index>> region_of_triangles(const Surface& surface, const Top
                                                const std::string& name, const TriangleSource& source) {
   if (source.triangle.empty()) return fail(broken(name, "has no triangles"));
   OffendingIds outside;
-  for (const Index t : source.triangle) {
-    if (t < 0 || t >= surface.num_triangles()) outside.add(t);
+  std::size_t first = source.triangle.size();
+  for (std::size_t i = 0; i < source.triangle.size(); ++i) {
+    if (source.triangle[i] >= 0 && source.triangle[i] < surface.num_triangles()) continue;
+    outside.add(source.triangle[i]);
+    first = std::min(first, i);
   }
   if (!outside.empty()) {
     const std::string what = "names triangle " + std::to_string(outside.first()) + ", but the mesh has " +
                              std::to_string(surface.num_triangles()) + " triangles, counted from 0";
-    return fail(outside.of(feature_error(ErrorCode::RegionBroken, name, what), ElementKind::Triangle));
+    Error error = outside.of(feature_error(ErrorCode::RegionBroken, name, what), ElementKind::Triangle);
+    error.place.pointer += "/triangles/" + std::to_string(first);
+    return fail(error);
   }
   std::vector<Index> sorted = source.triangle;
   std::sort(sorted.begin(), sorted.end());

@@ -19,13 +19,18 @@ Error broken(const std::string& name, const std::string& what) {
 
 Fault out_of_range(const Surface& surface, const std::string& name, In<Index> list) {
   OffendingIds ids;
-  for (const Index v : list) {
-    if (v < 0 || v >= surface.num_vertices()) ids.add(v);
+  std::size_t first = list.size();
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i] >= 0 && list[i] < surface.num_vertices()) continue;
+    ids.add(list[i]);
+    first = std::min(first, i);
   }
   if (ids.empty()) return {};
   const std::string what = "names vertex " + std::to_string(ids.first()) + ", but the mesh has " +
                            std::to_string(surface.num_vertices()) + " vertices, counted from 0";
-  return ids.of(feature_error(ErrorCode::FeatureBroken, name, what), ElementKind::Vertex);
+  Error error = ids.of(feature_error(ErrorCode::FeatureBroken, name, what), ElementKind::Vertex);
+  error.place.pointer += "/vertices/" + std::to_string(first);
+  return error;
 }
 
 Fault too_short(const std::string& name, const VertexSource& source) {

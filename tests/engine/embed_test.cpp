@@ -337,3 +337,35 @@ TEST_CASE("embed: unused vertices and far, tiny meshes keep the same chains") {
   for (Vec3& p : far.position) p = p + Vec3{4096, -4096, 4096};
   CHECK(chain_of(far, {4096, -4096, 4096}, 1).length == Approx(plain.length).epsilon(1e-6));
 }
+
+TEST_CASE("embed: a polyline that retraces its way step by step is refused, however small the steps") {
+  const Mesh mesh = shapes::height_field(41, shapes::flat, 0.2);
+  std::vector<Vec3> there_and_back;
+  for (int k = 0; k <= 40; ++k) there_and_back.push_back({-0.5 + 0.02 * k, 0.01, 0});
+  for (int k = 1; k <= 30; ++k) there_and_back.push_back({0.3 - 0.02 * k, 0.01, 0});
+  const Error error = refused(mesh, {polyline("p", there_and_back, false, 1)});
+  CHECK(error.code == ErrorCode::FeatureBroken);
+  CHECK(error.what.find("turns back") != std::string::npos);
+}
+
+TEST_CASE("embed: constraints that name what the mesh does not have are refused with their place") {
+  const Mesh mesh = shapes::height_field(5, shapes::flat, 0);
+  const auto error_of = [&](auto rule) {
+    ConstraintSet set;
+    set.features = {{"row", VertexSource{{0, 1, 2}, false, false}}};
+    set.constraints = {{"first", "line", LineConstraint{.feature = "row", .scale = {}}},
+                       {"second", "x", rule}};
+    const auto embedding = embed(mesh.surface(), set);
+    REQUIRE(!embedding);
+    CHECK(embedding.error().code == ErrorCode::ConstraintInvalid);
+    return embedding.error();
+  };
+  const Error pin = error_of(PinConstraint{{3, 999}, {{0, 0}, {1, 0}}});
+  CHECK(pin.place.pointer == "/constraints/1/vertices/1");
+  CHECK(pin.ids == std::vector<Index>{999});
+  AngleConstraint angle;
+  angle.edges = {{0, 1}, {0, 24}};
+  CHECK(error_of(angle).ids == std::vector<Index>{0, 24});
+  angle.edges = {{0, 1}, {0, -1}};
+  CHECK(error_of(angle).place.pointer == "/constraints/1/edges/1/1");
+}

@@ -108,3 +108,22 @@ TEST_CASE("refined mesh: the splits of a constrained edge are followed in either
   f.refined.follow(1, 0, chain);
   CHECK(chain == std::vector<Index>{quarter, middle, 0});
 }
+
+TEST_CASE("refined mesh: a point on a crowded edge is found again, though rounding puts it beyond the edge") {
+  Fixture f(shapes::triangle({0, 0, 0}, {2, 0, 0}, {0.3, 1, 0}));
+  bool snapped = false;
+  std::vector<Index> placed;
+  std::vector<SurfacePoint> points;
+  shapes::Random random(8);
+  for (int k = 0; k < 200; ++k) {
+    const double b = random.uniform(), tiny = 4e-16 * (random.uniform() - 0.5);
+    points.push_back({0, {tiny, b, 1 - b - tiny}});
+    placed.push_back(f.refined.insert(points.back(), kShare, snapped));
+  }
+  for (int k = 0; k < 200; ++k) {
+    const Vec3 b = points[k].barycentric;
+    const Vec3 place = b.y * f.mesh.position[1] + b.z * f.mesh.position[2];
+    CHECK(norm(f.refined.position(placed[k]) - place) < 1.01e-3);
+    CHECK(norm(f.refined.position(f.refined.insert(points[k], kShare, snapped)) - place) < 1.01e-3);
+  }
+}
