@@ -1,6 +1,7 @@
 #include "engine/features/curve.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "engine/features/feature_error.hpp"
 #include "engine/features/trace.hpp"
@@ -17,7 +18,9 @@ class CurveInsertion {
     std::vector<Index> place;  // vertex of each point
     for (std::size_t k = 0; k < curve_.at.size(); ++k) {
       bool moved = false;
-      place.push_back(mesh_.insert(curve_.at[k], kSnapShare, moved));
+      const double share = mesh_.tolerance(curve_.at[k].triangle, kSnapShare);
+      const double left = curve_.allowed - norm(projected(k) - curve_.given[k]);
+      place.push_back(mesh_.insert(curve_.at[k], std::clamp(left, 0.0, share), moved));
       embedded_.snapped += moved ? 1 : 0;
     }
     chain_.push_back({place.front(), 0});
@@ -36,6 +39,12 @@ class CurveInsertion {
     points.add(static_cast<Index>(i));
     points.add(static_cast<Index>(j));
     return fail(points.of(feature_error(code, curve_.name, what), ElementKind::Point));
+  }
+
+  Vec3 projected(std::size_t k) const {
+    const Index* v = &input_.corner_vertex[3 * curve_.at[k].triangle];
+    const Vec3 b = curve_.at[k].barycentric;
+    return b.x * input_.position[v[0]] + b.y * input_.position[v[1]] + b.z * input_.position[v[2]];
   }
 
   Vec3 normal(std::size_t k) const {
@@ -63,28 +72,83 @@ class CurveInsertion {
   }
 
   Result<void> follow(const SurfacePath& path, std::size_t i, std::size_t j, Index target) {
-    for (const Crossing& crossing : path) {
-      if (auto done = step_to(vertex_at(crossing), i, j); !done) return done;
+    std::vector<Index> way = vertices_of(path, {curve_.given[i], curve_.given[j], curve_.allowed});
+    way.push_back(target);
+    for (const Index v : way) {
+      std::vector<Index> steps;
+      if (!mesh_.connect(chain_.back().vertex, v, kSnapShare, steps)) {
+        return failure(ErrorCode::InternalDefect, "its path is not joined between two of its points", i, j);
+      }
+      for (const Index step : steps) {
+        if (auto done = step_to(step, i, j); !done) return done;
+      }
     }
-    return step_to(target, i, j);
+    return {};
   }
 
-  Index vertex_at(const Crossing& crossing) {
-    if (crossing.head == kNone) return crossing.tail;
+  /// A place where a path crosses an edge of the input or passes a vertex.
+  struct Place {
+    Crossing crossing;
+    double tolerance = 0;
+    Index vertex = kNone;  ///< where it is at a vertex, or near enough
+  };
+
+  /// The path's vertices, new ones where it crosses edges of the input. Edges inside input triangles do not matter:
+  /// they are flipped out of the way.
+  std::vector<Index> vertices_of(const SurfacePath& path, const Chord& chord) {
+    std::vector<Place> places;
+    for (const Crossing& crossing : path) {
+      if (auto place = place_of(crossing, chord)) places.push_back(*place);
+    }
+    drop_beside_vertices(places);
+    std::vector<Index> way;
+    for (const Place& place : places) way.push_back(place.vertex == kNone ? split(place) : place.vertex);
+    return way;
+  }
+
+  std::optional<Place> place_of(const Crossing& crossing, const Chord& chord) const {
+    if (crossing.head == kNone) return Place{crossing, 0, crossing.tail};
     const Index corner = mesh_.edge_between(crossing.tail, crossing.head);
-    const bool forward = mesh_.vertex(corner) == crossing.tail;
-    return mesh_.split_edge(corner, forward ? crossing.s : 1 - crossing.s, kSnapShare);
+    if (corner == kNone || !mesh_.on_input_edge(corner)) return std::nullopt;
+    const Vec3 tail = mesh_.position(crossing.tail);
+    const Vec3 at = tail + crossing.s * (mesh_.position(crossing.head) - tail);
+    const double left = curve_.allowed - distance_to(chord, at);
+    const double tolerance = std::clamp(left, 0.0, mesh_.edge_tolerance(corner, kSnapShare));
+    return Place{crossing, tolerance, mesh_.near_end(corner, along(corner, crossing), tolerance)};
+  }
+
+  double along(Index corner, const Crossing& crossing) const {
+    return mesh_.vertex(corner) == crossing.tail ? crossing.s : 1 - crossing.s;
+  }
+
+  Index split(const Place& place) {
+    const Index corner = mesh_.edge_between(place.crossing.tail, place.crossing.head);
+    return mesh_.split_edge(corner, along(corner, place.crossing), place.tolerance);
+  }
+
+  /// A path that goes through a vertex need not cross the edges at it just before and after.
+  static void drop_beside_vertices(std::vector<Place>& places) {
+    const auto touches = [](const Place& place, Index v) {
+      return place.crossing.tail == v || place.crossing.head == v;
+    };
+    std::vector<std::uint8_t> dropped(places.size(), 0);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const Index v = places[k].vertex;
+      if (v == kNone || dropped[k]) continue;
+      for (std::size_t j = k; j-- > 0 && touches(places[j], v);) dropped[j] = 1;
+      for (std::size_t j = k + 1; j < places.size() && touches(places[j], v); ++j) dropped[j] = 1;
+    }
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      if (!dropped[k]) places[kept++] = places[k];
+    }
+    places.resize(kept);
   }
 
   Result<void> step_to(Index v, std::size_t i, std::size_t j) {
     if (v == chain_.back().vertex) return {};
     if (chain_.size() > 1 && v == chain_[chain_.size() - 2].vertex) return step_back(i, j);
     retraced_ = 0;
-    const Index edge = mesh_.edge_between(chain_.back().vertex, v);
-    if (edge == kNone) {
-      return failure(ErrorCode::InternalDefect, "its path is not joined between two of its points", i, j);
-    }
-    mesh_.constrain(edge);
     // Distance from a segment is convex along an edge: the largest is at a vertex.
     const Chord chord{curve_.given[i], curve_.given[j], curve_.allowed};
     chain_.push_back({v, distance_to(chord, mesh_.position(v))});
@@ -120,6 +184,13 @@ class CurveInsertion {
     for (std::size_t k = 0; k < reached_.size(); ++k) {
       const Index v = chain_[std::min(reached_[k], chain_.size() - 1)].vertex;
       embedded_.deviation = std::max(embedded_.deviation, norm(mesh_.position(v) - curve_.given[k]));
+    }
+    constexpr double kRounding = 1e-9;
+    if (embedded_.deviation > curve_.allowed * (1 + kRounding)) {
+      return fail(feature_error(ErrorCode::FeatureLeavesSurface, curve_.name,
+                                "its chain would be " + in_words(embedded_.deviation) +
+                                    " from the polyline, " + in_words(curve_.allowed) +
+                                    " allowed: the triangles there are too thin"));
     }
     return std::move(embedded_);
   }

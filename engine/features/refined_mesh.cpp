@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <unordered_set>
 
 #include "kernels/exact/orient2.hpp"
 #include "kernels/intrinsic/lengths.hpp"
@@ -30,6 +31,11 @@ SegmentFoot foot_on_segment(Vec2 x, Vec2 a, Vec2 b) {
 
 /// A point given by barycentric coordinates, in the plane of its triangle.
 Vec2 flat(Vec2 local, const RestFrame& f) { return {local.x * f.x1 + local.y * f.x2, local.y * f.y2}; }
+
+/// Of the tolerance, for places where curves cross: moved farther, one curve would be drawn along the other.
+constexpr double kCrossingShare = 0.02;
+/// Constrained edges in a way that are too thin to be split, each of which bends it to one of its ends.
+constexpr int kMostDetours = 16;
 
 bool inside_unit(double t) { return t > 0 && t < 1; }
 
@@ -125,7 +131,7 @@ Index RefinedMesh::edge_between(Index u, Index v) const {
 
 /// The piece of an input triangle that contains a point: a walk towards it over the edges that have it outside.
 Index RefinedMesh::locate(Index input_triangle, Vec2 at) const {
-  constexpr int kMostSteps = 64;  // a walk in a triangulation that is not Delaunay may go round in circles
+  constexpr int kMostSteps = 1000;  // across constrained edges a walk may go round in circles
   Index t = input_triangle;
   for (int step = 0; step < kMostSteps; ++step) {
     Index next = kNone;
@@ -144,6 +150,7 @@ Index RefinedMesh::locate(Index input_triangle, Vec2 at) const {
 
 Index RefinedMesh::locate_by_search(Index input_triangle, Vec2 at) const {
   std::vector<Index> reached = {input_triangle};
+  std::unordered_set<Index> seen = {input_triangle};
   for (std::size_t k = 0; k < reached.size(); ++k) {
     const Index t = reached[k];
     bool outside = false;
@@ -152,18 +159,17 @@ Index RefinedMesh::locate_by_search(Index input_triangle, Vec2 at) const {
       outside |=
           orient2(local(vertex(c), input_triangle), local(vertex(next_corner(c)), input_triangle), at) < 0;
       const Index next = corner_twin_[c] / 3;
-      if (std::find(reached.begin(), reached.end(), next) == reached.end()) reached.push_back(next);
+      if (seen.insert(next).second) reached.push_back(next);
     }
     if (!outside) return t;
   }
   return input_triangle;
 }
 
-Index RefinedMesh::insert(const SurfacePoint& point, double share, bool& snapped) {
+Index RefinedMesh::insert(const SurfacePoint& point, double tolerance, bool& snapped) {
   const Index input = point.triangle;
   const Vec2 at{point.barycentric.y, point.barycentric.z};
   const Index t = locate(input, at);
-  const double tolerance = this->tolerance(input, share);
   const RestFrame frame = this->frame(input);
   const Vec2 x = flat(at, frame);
   std::array<Vec2, 3> corner;
@@ -188,24 +194,37 @@ Index RefinedMesh::insert(const SurfacePoint& point, double share, bool& snapped
   if (foot[side].distance > tolerance) {
     const Index v = try_split_triangle(t, at);
     snapped = v == kNone;
-    if (v != kNone) return v;
+    if (v != kNone) {
+      improve();
+      return v;
+    }
   }
   snapped = foot[side].distance > 0;
   const Index v = inside_unit(foot[side].along)
                       ? try_split_edge(3 * t + static_cast<Index>(side), foot[side].along)
                       : kNone;
+  improve();
   return v == kNone ? nearest_vertex : v;
 }
 
-Index RefinedMesh::split_edge(Index corner, double s, double share) {
-  const Index p = vertex(corner), q = vertex(next_corner(corner)), twin = corner_twin_[corner];
-  double tolerance = this->tolerance(triangle_origin_[corner / 3], share);
-  if (twin != kNone) tolerance = std::min(tolerance, this->tolerance(triangle_origin_[twin / 3], share));
+double RefinedMesh::edge_tolerance(Index corner, double share) const {
+  const double own = tolerance(triangle_origin_[corner / 3], share);
+  const Index twin = corner_twin_[corner];
+  return twin == kNone ? own : std::min(own, tolerance(triangle_origin_[twin / 3], share));
+}
+
+Index RefinedMesh::near_end(Index corner, double s, double tolerance) const {
+  const Index p = vertex(corner), q = vertex(next_corner(corner));
   const double length = norm(position_[q] - position_[p]);
-  const Index end = s < 0.5 ? p : q;
-  if (std::min(s, 1 - s) * length <= tolerance) return end;
+  return std::min(s, 1 - s) * length <= tolerance ? (s < 0.5 ? p : q) : kNone;
+}
+
+Index RefinedMesh::split_edge(Index corner, double s, double tolerance) {
+  const Index end = near_end(corner, s, tolerance);
+  if (end != kNone) return end;
+  const Index nearer = s < 0.5 ? vertex(corner) : vertex(next_corner(corner));
   const Index v = try_split_edge(corner, s);
-  return v == kNone ? end : v;
+  return v == kNone ? nearer : v;
 }
 
 // ---- splits ---------------------------------------------------------------------------------------------------
@@ -330,13 +349,114 @@ void RefinedMesh::constrain(Index corner) {
 }
 
 void RefinedMesh::follow(Index u, Index v, std::vector<Index>& chain) const {
-  const auto split = middle_.find(edge_key(u, v));
-  if (split == middle_.end()) {
-    chain.push_back(v);
-    return;
+  std::vector<Index> ahead = {v};
+  while (!ahead.empty()) {
+    const auto split = middle_.find(edge_key(u, ahead.back()));
+    if (split != middle_.end()) {
+      ahead.push_back(split->second);
+    } else {
+      u = ahead.back();
+      chain.push_back(u);
+      ahead.pop_back();
+    }
   }
-  follow(u, split->second, chain);
-  follow(split->second, v, chain);
+}
+
+/// An input triangle that holds both vertices, or kNone. On a common edge of two it does not matter which.
+Index RefinedMesh::common_input_triangle(Index u, Index v) const {
+  Index common = kNone;
+  visit_star(u, [&](Index a) {
+    const Index origin = triangle_origin_[a / 3];
+    return visit_star(v, [&](Index b) {
+      if (triangle_origin_[b / 3] == origin) common = origin;
+      return common != kNone;
+    });
+  });
+  return common;
+}
+
+bool RefinedMesh::connect(Index u, Index v, double share, std::vector<Index>& chain) {
+  while (u != v) {
+    const Index input = common_input_triangle(u, v);
+    if (input == kNone) return false;
+    const Index next = step_towards(u, v, input, share, kMostDetours);
+    if (next == kNone) return false;
+    constrain(edge_between(u, next));
+    chain.push_back(next);
+    u = next;
+  }
+  improve();
+  return true;
+}
+
+/// Makes an edge from a vertex to the first one on the straight way to another, or to a new one on the first
+/// constrained edge in the way, and returns that vertex. kNone: nothing leads on, which no sound state allows.
+Index RefinedMesh::step_towards(Index from, Index to, Index input_triangle, double share, int detours) {
+  const Vec2 a = local(from, input_triangle), b = local(to, input_triangle);
+  const auto side = [&](Index v) { return orient2(a, b, local(v, input_triangle)); };
+  Index found = kNone, corner = kNone;
+  visit_star(from, [&](Index c) {
+    if (triangle_origin_[c / 3] != input_triangle) return false;
+    const Index opposite = next_corner(c);
+    for (const Index v : {vertex(opposite), vertex(next_corner(opposite))}) {
+      const bool ahead = dot(local(v, input_triangle) - a, b - a) > 0;
+      if (v == to || (found == kNone && ahead && side(v) == 0)) found = v;
+    }
+    if (side(vertex(opposite)) < 0 && side(vertex(next_corner(opposite))) > 0) corner = opposite;
+    return found == to;
+  });
+  if (found != kNone) return found;
+  std::vector<Index> crossed;
+  while (corner != kNone) {
+    if (constrained_[corner] || on_input_edge(corner)) {
+      const Index on_edge = split_in_way(corner, a, b, input_triangle, share);
+      return on_edge == to || detours == 0 ? kNone
+                                           : step_towards(from, on_edge, input_triangle, share, detours - 1);
+    }
+    crossed.push_back(vertex(corner));
+    crossed.push_back(vertex(next_corner(corner)));
+    const Index twin = corner_twin_[corner], apex = vertex(previous_corner(twin));
+    const int apex_side = side(apex);
+    if (apex_side == 0) {
+      clear_way(from, apex, crossed, input_triangle);
+      return edge_between(from, apex) == kNone ? kNone : apex;
+    }
+    // twin runs from the left to the right end; the next half-edge crossed has its tail on the right.
+    corner = apex_side > 0 ? next_corner(twin) : previous_corner(twin);
+  }
+  return kNone;
+}
+
+/// Splits an edge where the way crosses it, or takes its end within tolerance or where no split is possible.
+Index RefinedMesh::split_in_way(Index corner, Vec2 from, Vec2 to, Index input_triangle, double share) {
+  const Vec2 p = local(vertex(corner), input_triangle),
+             q = local(vertex(next_corner(corner)), input_triangle);
+  const double before = cross(to - from, p - from), behind = cross(to - from, q - from);
+  const double s = before == behind ? 0.5 : std::clamp(before / (before - behind), 0.0, 1.0);
+  return split_edge(corner, s, edge_tolerance(corner, kCrossingShare * share));
+}
+
+/// Flips the edges between `from` and `to`, given by their ends, until none is in the way.
+void RefinedMesh::clear_way(Index from, Index to, std::vector<Index> crossed, Index input_triangle) {
+  const Vec2 a = local(from, input_triangle), b = local(to, input_triangle);
+  std::size_t idle = 0;  // edges put back since the last flip
+  for (std::size_t k = 0; k + 1 < crossed.size() && 2 * idle <= crossed.size() - k; k += 2) {
+    const Index p = crossed[k], q = crossed[k + 1], corner = edge_between(p, q);
+    if (corner == kNone || p == to || q == to || p == from || q == from) continue;
+    const int side_p = orient2(a, b, local(p, input_triangle)),
+              side_q = orient2(a, b, local(q, input_triangle));
+    if (side_p * side_q >= 0 || constrained_[corner] || on_input_edge(corner)) continue;
+    const Index left = vertex(previous_corner(corner)), right = vertex(previous_corner(corner_twin_[corner]));
+    if (!flip(corner)) {
+      crossed.push_back(p), crossed.push_back(q);
+      ++idle;
+      continue;
+    }
+    idle = 0;
+    if (orient2(a, b, local(left, input_triangle)) * orient2(a, b, local(right, input_triangle)) < 0) {
+      crossed.push_back(left), crossed.push_back(right);
+    }
+  }
 }
 
 void RefinedMesh::improve() {
@@ -349,26 +469,33 @@ void RefinedMesh::improve() {
     waiting.pop_back();
     if (constrained_[c] || on_input_edge(c)) continue;
     const Index twin = corner_twin_[c];
-    if (!try_flip(c)) continue;
+    if (!wants_flip(c) || !flip(c)) continue;
     for (const Index edge : {c, previous_corner(c), twin, previous_corner(twin)}) waiting.push_back(edge);
   }
   changed_.clear();
 }
 
-/// Flips an edge whose opposite angles sum to more than pi, by a margin against rounding.
-bool RefinedMesh::try_flip(Index corner) {
+/// The angles opposite the edge sum to more than pi, by a margin against rounding.
+bool RefinedMesh::wants_flip(Index corner) const {
   constexpr double kMargin = 1e-9;
+  const Index t = triangle_origin_[corner / 3];
+  const RestFrame frame = this->frame(t);
+  const auto at = [&](Index c) { return flat(local(vertex(c), t), frame); };
+  const Vec2 p = at(corner), q = at(next_corner(corner)), left = at(previous_corner(corner)),
+             right = at(previous_corner(corner_twin_[corner]));
+  const Vec2 a = p - left, b = q - left, c = q - right, d = p - right;
+  const double sine = cross(a, b) * dot(c, d) + dot(a, b) * cross(c, d);  // of the sum
+  return sine < -kMargin * norm(a) * norm(b) * norm(c) * norm(d);
+}
+
+/// Replaces an edge inside an input triangle by the other diagonal of its two triangles, where both pieces have
+/// positive area; false where not.
+bool RefinedMesh::flip(Index corner) {
   const Index twin = corner_twin_[corner], t = triangle_origin_[corner / 3];
   const Index next = next_corner(corner), twin_next = next_corner(twin);
   const Index p = vertex(corner), q = vertex(next), left = vertex(previous_corner(corner)),
               right = vertex(previous_corner(twin));
   const Vec2 lp = local(p, t), lq = local(q, t), ll = local(left, t), lr = local(right, t);
-  const RestFrame frame = this->frame(t);
-  const Vec2 fp = flat(lp, frame), fq = flat(lq, frame), fl = flat(ll, frame), fr = flat(lr, frame);
-  const Vec2 a = fp - fl, b = fq - fl, c = fq - fr, d = fp - fr;
-  // sin(alpha + beta) < 0 for the angles at left and right
-  const double sine = cross(a, b) * dot(c, d) + dot(a, b) * cross(c, d);
-  if (!(sine < -kMargin * norm(a) * norm(b) * norm(c) * norm(d))) return false;
   if (orient2(lp, lr, ll) <= 0 || orient2(lq, ll, lr) <= 0) return false;
   // p right left and q left right; the outer half-edges keep their constraints.
   pass_on(twin_next, corner);
@@ -379,6 +506,8 @@ bool RefinedMesh::try_flip(Index corner) {
   join(next, twin_next);
   vertex_corner_[p] = corner;
   vertex_corner_[q] = twin;
+  changed_.push_back(corner / 3);
+  changed_.push_back(twin / 3);
   return true;
 }
 

@@ -40,11 +40,24 @@ class RefinedMesh {
   Index edge_between(Index u, Index v) const;
 
   /// The vertex at a point of the input mesh: an existing one within tolerance, else a new one on an edge within
-  /// tolerance, else a new one inside a triangle. `snapped` tells whether the point was moved.
-  Index insert(const SurfacePoint& point, double share, bool& snapped);
+  /// tolerance, else a new one inside a triangle. tolerance: mesh units. `snapped` tells whether the point was moved.
+  Index insert(const SurfacePoint& point, double tolerance, bool& snapped);
 
-  /// The vertex at s in (0, 1) of the way along the half-edge of a corner: an end within tolerance, else a new one.
-  Index split_edge(Index corner, double s, double share);
+  /// The end of a half-edge within tolerance of the place at s in [0, 1] of its way, or kNone.
+  Index near_end(Index corner, double s, double tolerance) const;
+  /// The vertex at s of the way along the half-edge of a corner: an end within tolerance, else a new one, else, where
+  /// a piece would have no area, the nearer end.
+  Index split_edge(Index corner, double s, double tolerance);
+  /// Tolerance of places on an edge: the smaller one of its two triangles.
+  double edge_tolerance(Index corner, double share) const;
+
+  /// Whether an edge lies on one of the input; these are split, never flipped.
+  bool on_input_edge(Index corner) const;
+
+  /// Makes the straight segment between two vertices of one input triangle a chain of constrained edges: edges in its
+  /// way are flipped, constrained ones split (share: as in tolerance()). Appends the vertices after u, up to v. False where no input triangle
+  /// holds both.   Ref: Sloan 1993, A fast algorithm for generating constrained Delaunay triangulations.
+  bool connect(Index u, Index v, double share, std::vector<Index>& chain);
 
   /// Edges that stay when the triangulation is improved; their splits are remembered.
   void constrain(Index corner);
@@ -74,7 +87,11 @@ class RefinedMesh {
   Vec2 local(Index v, Index input_triangle) const;
   RestFrame frame(Index input_triangle) const;
   Vec3 place(const Site& site) const;
-  bool on_input_edge(Index corner) const;
+  Index common_input_triangle(Index u, Index v) const;
+  Index step_towards(Index from, Index to, Index input_triangle, double share, int detours);
+  Index split_in_way(Index corner, Vec2 from, Vec2 to, Index input_triangle, double share);
+  void clear_way(Index from, Index to, std::vector<Index> crossed, Index input_triangle);
+  bool flip(Index corner);
   Index locate(Index input_triangle, Vec2 at) const;
   Index locate_by_search(Index input_triangle, Vec2 at) const;
 
@@ -88,7 +105,7 @@ class RefinedMesh {
   void join(Index corner, Index twin);
   /// Gives the outer side of half-edge `from` to half-edge `to`.
   void pass_on(Index from, Index to);
-  bool try_flip(Index corner);
+  bool wants_flip(Index corner) const;
 
   const Surface origin_;
   const Topology& topology_;

@@ -109,7 +109,9 @@ Result<std::vector<Index>> fill_reducing_order(const SymmetricMatrix& matrix) {
   cholmod_sparse sparse = view(matrix);
   std::vector<Index> order(matrix.size());
   if (matrix.size() > 0 && !cholmod_metis(&sparse, nullptr, 0, 1, order.data(), &cholmod.common)) {
-    return out_of_memory("ordering");
+    // METIS takes SIGTERM for itself while it works, and gives up; its input is valid by construction.
+    const bool stopped = cholmod.common.status == CHOLMOD_INVALID;
+    return stopped ? fail(ErrorCode::Cancelled, "stopped by a signal") : out_of_memory("ordering");
   }
   return order;
 }
