@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "engine/features/curve.hpp"
+#include "engine/features/directions.hpp"
 #include "engine/features/enclosed.hpp"
 #include "engine/features/feasibility.hpp"
 #include "engine/features/feature_error.hpp"
@@ -102,13 +103,6 @@ class Embedder {
     for_each_edge(chain, [&](Index u, Index v) { mesh_->constrain(mesh_->edge_between(u, v)); });
   }
 
-  template <class Body>
-  static void for_each_edge(const Feature& chain, Body body) {
-    const std::size_t n = chain.vertex.size();
-    for (std::size_t i = 0; i + 1 < n; ++i) body(chain.vertex[i], chain.vertex[i + 1]);
-    if (chain.closed && n > 1) body(chain.vertex[n - 1], chain.vertex[0]);
-  }
-
   // ---- curves ----
 
   Result<void> project_polylines() {
@@ -161,7 +155,8 @@ class Embedder {
     if (auto going = go_on(Phase::Embed); !going) return going;
     mesh_->improve();
     for (Feature& feature : result_.features) follow_splits(feature);
-    if (auto directed = check_directions(); !directed) return directed;
+    turn_free_chains();
+    if (auto directed = check_directions(result_.features); !directed) return directed;
     free_triangles();
     for (Index v = surface_.num_vertices(); v < mesh_->num_vertices(); ++v) {
       result_.vertex_origin.push_back(mesh_->origin(v));
@@ -183,41 +178,14 @@ class Embedder {
     feature.vertex = std::move(chain);
   }
 
-  /// A step of a chain along an edge.
-  struct Use {
-    Index low, high;  // ends of the edge
-    Index feature;
-    bool upwards;
-    friend auto operator<=>(const Use&, const Use&) = default;
-  };
-
-  /// No edge twice in one chain, and in one direction only in all of them.
-  Result<void> check_directions() const {
-    std::vector<Use> uses;
-    for (std::size_t k = 0; k < result_.features.size(); ++k) {
-      for_each_edge(result_.features[k], [&](Index u, Index v) {
-        uses.push_back({std::min(u, v), std::max(u, v), static_cast<Index>(k), u < v});
-      });
+  void turn_free_chains() {
+    std::vector<std::uint8_t> turnable;
+    for (std::size_t k = 0; k < set_.features.size(); ++k) {
+      turnable.push_back(source<LoopSource>(k) || source<BoundaryNearSource>(k) ||
+                         source<PlaneCutSource>(k) || source<SharpEdgesSource>(k));
     }
-    std::sort(uses.begin(), uses.end());
-    OffendingIds edges;
-    Index feature = kNone, other = kNone;  // of the first fault; the edges are those of this pair
-    for (std::size_t i = 1; i < uses.size(); ++i) {
-      const Use &a = uses[i - 1], &b = uses[i];
-      if (a.low != b.low || a.high != b.high || (a.feature != b.feature && a.upwards == b.upwards)) continue;
-      if (feature == kNone) feature = b.feature, other = a.feature;
-      if (feature == b.feature && other == a.feature) {
-        edges.add(b.upwards ? b.low : b.high, b.upwards ? b.high : b.low);
-      }
-    }
-    if (feature == kNone) return {};
-    const std::string& name = result_.features[feature].name;
-    const Error error = feature == other
-                            ? feature_error(ErrorCode::FeatureBroken, name, "it runs twice along an edge")
-                            : feature_error(ErrorCode::FeaturesOverlap, name,
-                                            "it runs against feature \"" + result_.features[other].name +
-                                                "\" along their common edges");
-    return fail(edges.of(error, ElementKind::Edge));
+    if (std::find(turnable.begin(), turnable.end(), 1) != turnable.end())
+      turn_chains(result_.features, turnable);
   }
 
   void free_triangles() {

@@ -102,7 +102,10 @@ class CurveInsertion {
     }
     drop_beside_vertices(places);
     std::vector<Index> way;
-    for (const Place& place : places) way.push_back(place.vertex == kNone ? split(place) : place.vertex);
+    for (const Place& place : places) {
+      const Index v = place.vertex == kNone ? split(place) : place.vertex;
+      if (v != kNone) way.push_back(v);
+    }
     return way;
   }
 
@@ -121,8 +124,10 @@ class CurveInsertion {
     return mesh_.vertex(corner) == crossing.tail ? crossing.s : 1 - crossing.s;
   }
 
+  /// kNone where the path crossed this very edge before: the straight way on crosses it again.
   Index split(const Place& place) {
     const Index corner = mesh_.edge_between(place.crossing.tail, place.crossing.head);
+    if (corner == kNone) return kNone;
     return mesh_.split_edge(corner, along(corner, place.crossing), place.tolerance);
   }
 

@@ -28,7 +28,7 @@ constexpr std::array kCodes = {
     CodeEntry{ErrorCode::DuplicateTriangle, "duplicate-triangle", 4, "use --repair to drop the copies"},
     CodeEntry{ErrorCode::DegenerateTriangle, "degenerate-triangle", 4, "use --repair to remove them"},
     CodeEntry{ErrorCode::NonManifoldEdge, "non-manifold-edge", 4,
-              "remove the extra sheets, or split the part"},
+              "remove the extra sheets, or split the part: --repair does not mend these"},
     CodeEntry{ErrorCode::NonManifoldVertex, "non-manifold-vertex", 4, "use --repair to split them"},
     CodeEntry{ErrorCode::InconsistentOrientation, "inconsistent-orientation", 4,
               "use --repair to turn triangles"},
