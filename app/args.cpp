@@ -114,7 +114,12 @@ void add_sample(CLI::App& app, SampleArgs& args) {
       ->capture_default_str();
   app.add_option("--seed", args.options.seed, "same seed, same mesh")->capture_default_str();
   app.add_option("-o,--output", args.output, "mesh: .ply or .obj, also with .gz")->required();
-  app.add_option("--features", args.features, "constraint file that fits the mesh, JSON");
+  CLI::Option* const features =
+      app.add_option("--features", args.features, "constraint file that fits the mesh, JSON");
+  app.add_option("--feature-count", args.options.feature_count,
+                 "write so many lines and circles spread over the panel, not its own features")
+      ->check(CLI::Range(1, static_cast<int>(kMostSpreadFeatures)))
+      ->needs(features);
 }
 
 /// CLI11 says which words it does not know; we say which known one is nearest.

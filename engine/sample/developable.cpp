@@ -1,5 +1,6 @@
 // Cylinder, cone and the tangents of a curve as polyhedra: plane strips that meet along rulings. Triangulated
 // with all vertices on rulings they unroll without any error but rounding.
+#include <algorithm>
 #include <cmath>
 
 #include "engine/sample/shapes.hpp"
@@ -64,6 +65,18 @@ Frame folded(const Frame& frame, Vec2 p, Vec2 d, double angle) {
 }
 
 }  // namespace
+
+Vec3 bent_point(const Rulings& sheet, Vec2 flat) {
+  // Rulings run counter-clockwise: a point lies to the left of those before it.
+  const auto beyond = [&](const Rulings::Ruling& ruling) {
+    return cross(ruling.flat_direction, flat - ruling.flat) >= 0;
+  };
+  const auto after = std::partition_point(sheet.ruling.begin() + 1, sheet.ruling.end() - 1, beyond);
+  const Rulings::Ruling &a = *(after - 1), &b = *after;
+  const Vec2 p = flat - a.flat, across = b.flat - a.flat, along = a.flat_direction;
+  const double part = cross(along, p) / cross(along, across), rest = dot(p - part * across, along);
+  return a.bent + part * (b.bent - a.bent) + rest * a.bent_direction;
+}
 
 Developable cylinder_sheet() {
   constexpr double kRadius = 0.5, kSweep = 2.0, kLength = 0.9;

@@ -6,6 +6,7 @@
 
 #include "engine/sample/random.hpp"
 #include "engine/sample/shapes.hpp"
+#include "engine/sample/spread_features.hpp"
 #include "engine/sample/triangulate.hpp"
 
 namespace planish {
@@ -45,6 +46,21 @@ Vec3 surface_normal(const Shape& shape, Vec2 p) {
   return (1 / norm(n)) * n;
 }
 
+/// Features of the bent sheet, on its strips.
+void spread_over_sheet(const Exec& exec, const Rulings& sheet, Index count, Sample& sample) {
+  const auto strips = static_cast<Index>(sheet.ruling.size()) - 1;
+  const auto chart = [&](double u, double v) {
+    const Index k = std::min(static_cast<Index>(v * strips), strips - 1);
+    const auto on_ruling = [&](const Rulings::Ruling& ruling) {
+      return ruling.flat + (u * sheet.length) * ruling.flat_direction;
+    };
+    const Vec2 a = on_ruling(sheet.ruling[k]), b = on_ruling(sheet.ruling[k + 1]);
+    return a + (v * strips - k) * (b - a);
+  };
+  spread_features(
+      exec, {RowShape::Open, chart}, [&](Vec2 p) { return bent_point(sheet, p); }, count, sample);
+}
+
 /// Features need not lie closer to the mesh than its triangles lie to the surface.
 void bound_distances(const SampleOptions& options, double area, Sample& sample) {
   constexpr double kPart = 0.01;  // of the length: the default of the constraint file
@@ -77,6 +93,9 @@ Sample sample_shape(const Exec& exec, const SampleOptions& options, const Shape&
   Sample sample;
   sample.features = shape.features;
   sample.constraints = shape.constraints;
+  if (options.feature_count > 0) {
+    spread_features(exec, shape.domain, shape.surface, options.feature_count, sample);
+  }
   std::vector<Vec3>& position = sample.mesh.position;
   position.resize(plan.num_vertices());
   exec.for_blocks(plan.num_vertices(), kBlock, [&](Index, Range r) {
@@ -105,6 +124,7 @@ Sample sample_sheet(const Exec& exec, const SampleOptions& options, const Develo
   RowMesh rows = triangulate_rows(exec, domain, plan, options.seed);
   Sample sample;
   kind.mark(sheet, sample);
+  if (options.feature_count > 0) spread_over_sheet(exec, sheet, options.feature_count, sample);
   sample.mesh.corner_vertex = std::move(rows.corner_vertex);
   sample.flat = std::move(rows.chart);
   std::vector<Vec3>& position = sample.mesh.position;
@@ -136,6 +156,11 @@ Result<const Kind*> kind_of(const SampleOptions& options) {
   }
   if (!(options.noise >= 0) || !std::isfinite(options.noise)) {
     return fail(ErrorCode::BadUsage, "the noise of a sample is a length of 0 or more");
+  }
+  if (options.feature_count < 0 || options.feature_count > kMostSpreadFeatures) {
+    return fail(ErrorCode::BadUsage, "up to " + std::to_string(kMostSpreadFeatures) +
+                                         " features are spread over a sample, not " +
+                                         std::to_string(options.feature_count));
   }
   return kind;
 }

@@ -36,20 +36,24 @@ struct Sample {
   std::vector<SampleConstraint> constraints;
 };
 
+inline constexpr Index kMostSpreadFeatures = 100'000;
+
 struct SampleOptions {
   std::string kind;         ///< one of sample_kinds()
   Index triangles = 10000;  ///< wanted, >= 32; the mesh comes within 5% of it
   double noise = 0;         ///< amplitude along the normal, mesh units (metres), >= 0
   std::uint64_t seed = 1;   ///< same seed, same bits
+  Index feature_count = 0;  ///< disjoint lines and circles spread over the panel, <= kMostSpreadFeatures; 0:
+                            ///< the features of the kind
 };
 
 /// "hood", "fender", "door", "cylinder", "cone", "tangent-developable", "sphere-cap", "annulus".
 const std::vector<std::string>& sample_kinds();
 
 /// One component, oriented with the normals outward, one boundary loop (annulus: two), no degenerate
-/// triangle. Fails: BadUsage (unknown kind, too few or too many triangles, negative noise).
-/// Cost: O(T),
-/// parallel.
+/// triangle. Fails: BadUsage (unknown kind, too few or too many triangles, negative noise, too many
+/// features).
+/// Cost: O(T + features), parallel.
 Result<Sample> make_sample(const Exec& exec, const SampleOptions& options);
 
 }  // namespace planish

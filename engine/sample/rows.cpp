@@ -22,6 +22,11 @@ double density(const RowDomain& domain, double u, double v) {
   return kHeight * dot(along, along) / std::abs(cross(along, across));
 }
 
+/// Each edge of an inner row belongs to two strips.
+Index strips_at(Index r, Index strips) { return r == 0 || r == strips ? 1 : 2; }
+
+}  // namespace
+
 RowIntegral integrate_row(const RowDomain& domain, double v) {
   RowIntegral sum{};
   for (Index i = 0; i < kStations; ++i) {
@@ -30,10 +35,12 @@ RowIntegral integrate_row(const RowDomain& domain, double v) {
   return sum;
 }
 
-/// Each edge of an inner row belongs to two strips.
-Index strips_at(Index r, Index strips) { return r == 0 || r == strips ? 1 : 2; }
-
-}  // namespace
+double position_in_row(const RowIntegral& integral, double fraction) {
+  const double value = fraction * integral.back();
+  auto i = static_cast<Index>(std::upper_bound(integral.begin(), integral.end(), value) - integral.begin());
+  i = std::clamp<Index>(i, 1, kStations);
+  return (i - 1 + (value - integral[i - 1]) / (integral[i] - integral[i - 1])) / kStations;
+}
 
 Index num_strips(const RowDomain& domain, Index triangles) {
   constexpr Index kRows = 64;
@@ -83,12 +90,6 @@ void RowPoints::place_points(Index r, double jitter, Wanted&& wanted, Out<Vec2> 
   const bool closed = domain_.shape != RowShape::Open;
   const bool border = r == 0 || r == plan_.strips;
   const RowIntegral& integral = plan_.row_integral[r];
-  const auto u_at = [&](double fraction) {  // inverse of the integral, linear between stations
-    const double value = fraction * integral.back();
-    auto i = static_cast<Index>(std::upper_bound(integral.begin(), integral.end(), value) - integral.begin());
-    i = std::clamp<Index>(i, 1, kStations);
-    return (i - 1 + (value - integral[i - 1]) / (integral[i] - integral[i - 1])) / kStations;
-  };
   // Every second row is shifted by half a spacing; rings start anywhere.
   const bool shifted = r % 2 == 1;
   const double phase = closed ? counter_random(seed_ ^ 0x5eed, r) : (shifted ? -0.5 : 0.0);
@@ -104,7 +105,7 @@ void RowPoints::place_points(Index r, double jitter, Wanted&& wanted, Out<Vec2> 
     double u = i == 0 ? 0 : 1;
     if (!end) {
       const double fraction = (i + phase + radius * std::cos(angle)) * spacing;
-      u = u_at(closed ? fraction - std::floor(fraction) : fraction);
+      u = position_in_row(integral, closed ? fraction - std::floor(fraction) : fraction);
     }
     point[i] = domain_.ruling ? domain_.ruling(u, r) : domain_.chart(u, v + shift);
   }

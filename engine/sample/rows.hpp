@@ -33,6 +33,11 @@ struct RowDomain {
 inline constexpr Index kStations = 64;
 using RowIntegral = std::array<double, kStations + 1>;
 
+RowIntegral integrate_row(const RowDomain& domain, double v);
+
+/// The u up to which a row has this fraction of its points: inverse of the integral, linear between stations.
+double position_in_row(const RowIntegral& integral, double fraction);
+
 /// How many points on which row; row r of strips + 1 is at v = r / strips.
 struct RowPlan {
   Index strips = 0;

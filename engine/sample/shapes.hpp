@@ -37,6 +37,9 @@ struct Rulings {
   double length = 0;  ///< of each
 };
 
+/// A point of the unrolled sheet, on the bent one: strips stay plane.
+Vec3 bent_point(const Rulings& sheet, Vec2 flat);
+
 /// A developable kind: the domain that its number of strips is planned by, then the sheet of so many strips.
 struct Developable {
   RowDomain smooth;

@@ -46,6 +46,17 @@ TEST_CASE("program: flatten writes mesh, report, picture and flat mesh, and exit
   CHECK(has(content_of(scratch.file("p.svg")), "<svg"));
 }
 
+TEST_CASE("program: sample writes as many features as asked for, and embed takes them") {
+  const Scratch scratch;
+  const std::string mesh = scratch.file("hood.ply"), constraints = scratch.file("c.json");
+  REQUIRE(run("sample hood --triangles 5000 --noise 0.0002 -o " + mesh + " --features " + constraints +
+              " --feature-count 100")
+              .code == 0);
+  CHECK(json::parse(content_of(constraints)).at("features").size() == 100);
+  const Ran ran = run("embed " + mesh + " -c " + constraints + " -o " + scratch.file("o.ply"));
+  CHECK_MESSAGE(ran.code == 0, ran.err);
+}
+
 TEST_CASE("program: the same input gives the same bytes on 1, 2 and 7 threads") {
   const Scratch scratch;
   REQUIRE(run("sample fender --triangles 20000 --noise 0.0003 -o " + scratch.file("in.ply")).code == 0);
@@ -77,6 +88,9 @@ TEST_CASE("program: usage errors exit with 2, one line, and the nearest known na
            {"flatten x.obj --picture out.jpg", "its name must end in .png or .svg"},
            {"sample bumper -o x.ply", "bumper"},
            {"sample hood --triangles 3 -o x.ply", "--triangles"},
+           {"sample hood -o x.ply --feature-count 5", "--feature-count requires --features"},
+           {"sample hood -o x.ply --features c.json --feature-count 0", "--feature-count"},
+           {"sample hood -o x.ply --features c.json --feature-count 100001", "--feature-count"},
        }) {
     CAPTURE(arguments);
     const Ran ran = run(arguments);
