@@ -10,6 +10,11 @@
 
 namespace planish {
 
+/// A corner and the opposite one, pixels.
+struct PixelBox {
+  Vec2 lower, upper;
+};
+
 struct Stroke {
   Rgb colour;
   double width = 1;

@@ -8,13 +8,12 @@
 
 #include "io/depth_raster.hpp"
 #include "io/feature_lines.hpp"
+#include "io/hatching.hpp"
+#include "io/page.hpp"
 
 namespace planish {
 namespace {
 
-constexpr Rgb kInk{0.13, 0.13, 0.14};
-constexpr Rgb kPale{0.42, 0.42, 0.45};
-constexpr Rgb kPaper{1, 1, 1};
 constexpr double kCell = 6;  // pixels
 constexpr std::uint8_t kFree = 0, kLine = 1, kLabel = 2;
 
@@ -24,11 +23,6 @@ constexpr double kRowHeight = 34, kColumnGap = 48, kSwatch = 44;
 
 std::size_t num_rows(std::size_t num_features) {
   return (std::min(num_features, kMostListed) + kColumns - 1) / kColumns;
-}
-
-std::string size_of(const Feature& feature) {
-  if (!feature.is_region()) return fmt::format("{:.4g}", feature.length);
-  return fmt::format("{} triangle{}", feature.triangle.size(), feature.triangle.size() == 1 ? "" : "s");
 }
 
 /// Words with a rim of paper, so that they are read on any ground.
@@ -42,27 +36,42 @@ void draw_on_rim(Canvas& canvas, Vec2 at, const std::string& words, const TextSt
   canvas.text(at, words, style);
 }
 
-void draw_entry(Canvas& canvas, const Feature& feature, std::size_t number, Vec2 at, double width,
+void draw_swatch(Canvas& canvas, Swatch swatch, std::size_t number, Vec2 left, double unit) {
+  const Rgb c = feature_colour(number);
+  const double width = kSwatch * unit, half_height = 9 * unit;
+  const std::array ends{left, left + Vec2{width, 0}};
+  switch (swatch) {
+    case Swatch::Line: canvas.polyline(ends, false, {c, 5 * unit, 1}); return;
+    case Swatch::DashedLine:
+      canvas.polyline(ends, false, {c, 5 * unit, 1});
+      draw_ideal(canvas, ends, unit);
+      return;
+    case Swatch::Tint: {
+      constexpr double kGrey = 0.84,
+                       kWhite = 1 - kTintShare;  // as on the surface where it is neither dark nor bright
+      const Rgb tint{kGrey * (kWhite + kTintShare * c.r), kGrey * (kWhite + kTintShare * c.g),
+                     kGrey * (kWhite + kTintShare * c.b)};
+      canvas.fill_rectangle(left - Vec2{0, half_height}, {width, 2 * half_height}, tint);
+      return;
+    }
+    case Swatch::Hatching: {
+      const std::array box{std::vector<Vec2>{left + Vec2{0, -half_height}, left + Vec2{width, -half_height},
+                                             left + Vec2{width, half_height}, left + Vec2{0, half_height}}};
+      draw_hatched(canvas, box, number, 0.55 * unit * kHatchSpacing, unit);
+      return;
+    }
+  }
+}
+
+void draw_entry(Canvas& canvas, const ListEntry& entry, std::size_t number, Vec2 at, double width,
                 double unit) {
   const TextStyle size_style{17 * unit, kPale, false, Anchor::Right};
   const TextStyle name_style{19 * unit, kInk, false, Anchor::Left};
-  const Vec2 middle = at - Vec2{0, 6 * unit};
-  if (feature.is_region()) {
-    const Rgb c = feature_colour(number);
-    constexpr double kGrey = 0.84,
-                     kWhite = 1 - kTintShare;  // as on the surface where it is neither dark nor bright
-    const Rgb tint{kGrey * (kWhite + kTintShare * c.r), kGrey * (kWhite + kTintShare * c.g),
-                   kGrey * (kWhite + kTintShare * c.b)};
-    canvas.fill_rectangle(middle - Vec2{0, 9 * unit}, {kSwatch * unit, 18 * unit}, tint);
-  } else {
-    const std::array ends{middle, middle + Vec2{kSwatch * unit, 0}};
-    canvas.polyline(ends, false, {feature_colour(number), 5 * unit, 1});
-  }
-  const std::string size = size_of(feature);
-  canvas.text(at + Vec2{width, 0}, size, size_style);
+  draw_swatch(canvas, entry.swatch, number, at - Vec2{0, 6 * unit}, unit);
+  canvas.text(at + Vec2{width, 0}, entry.size, size_style);
   const double indent = (kSwatch + 14) * unit;
-  const double room = width - indent - canvas.text_width(size, size_style) - 14 * unit;
-  canvas.text(at + Vec2{indent, 0}, fitting(canvas, feature.name, room, name_style), name_style);
+  const double room = width - indent - canvas.text_width(entry.size, size_style) - 14 * unit;
+  canvas.text(at + Vec2{indent, 0}, fitting(canvas, entry.name, room, name_style), name_style);
 }
 
 }  // namespace
@@ -131,28 +140,49 @@ void LabelPlacer::place(Canvas& canvas, const std::string& words, In<Vec2> ancho
   take(best_box, kLabel);
 }
 
+std::vector<Vec2> anchors_along(In<Vec2> line) {
+  std::vector<Vec2> anchors;
+  if (line.empty()) return anchors;
+  for (const double share : {0.5, 0.35, 0.65, 0.2, 0.8, 0.08, 0.92}) {
+    anchors.push_back(line[static_cast<std::size_t>(share * static_cast<double>(line.size() - 1))]);
+  }
+  return anchors;
+}
+
+void place_name(LabelPlacer& placer, Canvas& canvas, const std::string& name, In<Vec2> anchors,
+                std::size_t number, double page_width) {
+  constexpr double kSize = 21, kSmallest = 9, kWidest = 0.3;
+  const double size = std::max(kSmallest, page_width / 1600.0 * kSize);
+  const std::string words = fitting(canvas, name, kWidest * page_width, {size, kInk, true, Anchor::Left});
+  placer.place(canvas, words, anchors, size, feature_colour(number));
+}
+
+std::string size_text(bool is_region, double length, std::size_t num_triangles) {
+  if (!is_region) return fmt::format("{:.4g}", length);
+  return fmt::format("{} triangle{}", num_triangles, num_triangles == 1 ? "" : "s");
+}
+
 double feature_list_height(std::size_t num_features, double unit) {
   const std::size_t lines = num_rows(num_features) + (num_features > kMostListed ? 1 : 0);
   return num_features == 0 ? 0 : unit * (kRowHeight * (static_cast<double>(lines) + 1));
 }
 
-void draw_feature_list(Canvas& canvas, const std::vector<Feature>& features, Vec2 corner, double width,
-                       double unit) {
-  if (features.empty()) return;
+void draw_feature_list(Canvas& canvas, const std::vector<ListEntry>& entries, const std::string& note,
+                       Vec2 corner, double width, double unit) {
+  if (entries.empty()) return;
   const double column = (width - (kColumns - 1) * kColumnGap * unit) / kColumns;
-  const std::size_t rows = num_rows(features.size()), listed = std::min(features.size(), kMostListed);
+  const std::size_t rows = num_rows(entries.size()), listed = std::min(entries.size(), kMostListed);
   const auto row_of = [&](std::size_t row) {
     return corner.y + unit * kRowHeight * (static_cast<double>(row) + 0.7);
   };
   canvas.text({corner.x, row_of(0)}, "Features", {20 * unit, kInk, true, Anchor::Left});
-  canvas.text({corner.x + width, row_of(0)}, "lengths in mesh units; dashed: behind the surface",
-              {16 * unit, kPale, false, Anchor::Right});
+  canvas.text({corner.x + width, row_of(0)}, note, {16 * unit, kPale, false, Anchor::Right});
   for (std::size_t i = 0; i < listed; ++i) {
     const double x = corner.x + static_cast<double>(i / rows) * (column + kColumnGap * unit);
-    draw_entry(canvas, features[i], i, {x, row_of(i % rows + 1)}, column, unit);
+    draw_entry(canvas, entries[i], i, {x, row_of(i % rows + 1)}, column, unit);
   }
-  if (listed == features.size()) return;
-  canvas.text({corner.x, row_of(rows + 1)}, fmt::format("and {} more", features.size() - listed),
+  if (listed == entries.size()) return;
+  canvas.text({corner.x, row_of(rows + 1)}, fmt::format("and {} more", entries.size() - listed),
               {17 * unit, kPale, false, Anchor::Left});
 }
 

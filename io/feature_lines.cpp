@@ -4,11 +4,17 @@
 #include <array>
 #include <cmath>
 
+#include "io/page.hpp"
+
 namespace planish {
 namespace {
 
 constexpr double kStep = 3;        // pixels between two looks along an edge
 constexpr double kNearest = 0.35;  // pixels between two points that are worth drawing
+
+/// Sizes at a picture of 1600 pixels.
+constexpr double kChainWidth = 5, kRimWidth = 8;
+constexpr double kIdealDash = 8, kIdealGap = 7;
 
 Vec2 flat(Vec3 p) { return {p.x, p.y}; }
 
@@ -35,6 +41,34 @@ std::vector<LineRun> split_by_sight(const DepthRaster& surface, In<Vec3> point, 
     }
   }
   return runs;
+}
+
+std::vector<Vec2> visible_line(In<Index> chain, In<Vec2> point) {
+  std::vector<Vec2> line{point[chain.front()]};
+  for (const Index v : chain) {
+    if (norm(point[v] - line.back()) >= kNearest) line.push_back(point[v]);
+  }
+  if (line.back() != point[chain.back()]) line.push_back(point[chain.back()]);
+  return line;
+}
+
+std::vector<Vec2> subdivided(In<Vec2> line, bool closed, double step) {
+  std::vector<Vec2> fine{line.front()};
+  for (std::size_t i = 1; i < line.size() + (closed ? 1 : 0); ++i) {
+    const Vec2 a = line[i - 1], way = line[i % line.size()] - a;
+    const int steps = std::max(1, static_cast<int>(std::ceil(norm(way) / step)));
+    for (int k = 1; k <= steps; ++k) fine.push_back(a + (static_cast<double>(k) / steps) * way);
+  }
+  return fine;
+}
+
+void draw_chain(Canvas& canvas, In<Vec2> line, bool closed, Rgb colour, double unit) {
+  canvas.polyline(line, closed, {kPaper, unit * kRimWidth, 0.75});
+  canvas.polyline(line, closed, {colour, unit * kChainWidth, 1});
+}
+
+void draw_ideal(Canvas& canvas, In<Vec2> line, double unit) {
+  draw_dashed(canvas, line, unit * kIdealDash, unit * kIdealGap, {kInk, unit * kIdealWidth, 1});
 }
 
 void draw_dashed(Canvas& canvas, In<Vec2> point, double on, double off, const Stroke& stroke) {

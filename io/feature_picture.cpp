@@ -16,8 +16,8 @@ namespace planish {
 namespace {
 
 /// Sizes at a picture of 1600 pixels.
-constexpr double kChainWidth = 5, kRimWidth = 8, kHiddenWidth = 2.6, kDash = 7, kDashGap = 7;
-constexpr double kLabelSize = 21, kSizeTextSize = 17;
+constexpr double kHiddenWidth = 2.6, kDash = 7, kDashGap = 7;
+constexpr double kSizeTextSize = 17;
 
 struct Box {
   Vec3 lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
@@ -134,13 +134,7 @@ struct DrawnFeature {
 std::vector<Vec2> anchors_on(const std::vector<LineRun>& runs) {
   const auto rank = [](const LineRun& run) { return std::pair(run.seen, run.point.size()); };
   const auto best = std::ranges::max_element(runs, {}, rank);
-  if (best == runs.end()) return {};
-  std::vector<Vec2> anchors;
-  for (const double share : {0.5, 0.35, 0.65, 0.2, 0.8, 0.08, 0.92}) {
-    anchors.push_back(
-        best->point[static_cast<std::size_t>(share * static_cast<double>(best->point.size() - 1))]);
-  }
-  return anchors;
+  return best == runs.end() ? std::vector<Vec2>{} : anchors_along(best->point);
 }
 
 /// The triangle nearest to the middle of those that are seen.
@@ -183,12 +177,11 @@ void draw_chains(Canvas& canvas, const std::vector<DrawnFeature>& drawn, double 
       const Rgb colour = feature_colour(i);
       for (const LineRun& run : drawn[i].runs) {
         if (run.seen != seen) continue;
-        if (!seen) {
+        if (seen) {
+          draw_chain(canvas, run.point, false, colour, unit);
+        } else {
           draw_dashed(canvas, run.point, unit * kDash, unit * kDashGap, {colour, unit * kHiddenWidth, 0.65});
-          continue;
         }
-        canvas.polyline(run.point, false, {kPaper, unit * kRimWidth, 0.75});
-        canvas.polyline(run.point, false, {colour, unit * kChainWidth, 1});
       }
     }
   }
@@ -196,23 +189,16 @@ void draw_chains(Canvas& canvas, const std::vector<DrawnFeature>& drawn, double 
 
 void draw_names(Canvas& canvas, const std::vector<Feature>& features, const std::vector<DrawnFeature>& drawn,
                 const Layout& layout) {
-  const double u = layout.unit;
-  const Vec2 corner = layout.panel_corner;
-  LabelPlacer placer({{0.25 * corner.x, corner.y - u * 14},
-                      {layout.width - 0.25 * corner.x, corner.y + layout.panel_height + u * (kGap - 8)}});
+  LabelPlacer placer(around_panel(layout.panel_corner, layout.panel_height, layout.width));
   for (const DrawnFeature& feature : drawn) {
     for (const LineRun& run : feature.runs) placer.avoid(run.point);
   }
-  constexpr double kSmallestLabel = 9, kWidestLabel = 0.3;
-  const double size = std::max(kSmallestLabel, u * kLabelSize);
   for (std::size_t i = 0; i < features.size(); ++i) {
-    const std::string name =
-        fitting(canvas, features[i].name, kWidestLabel * layout.width, {size, kInk, true, Anchor::Left});
-    placer.place(canvas, name, drawn[i].anchors, size, feature_colour(i));
+    place_name(placer, canvas, features[i].name, drawn[i].anchors, i, layout.width);
   }
 }
 
-std::string size_text(const Box& box, Index num_triangles) {
+std::string seen_size(const Box& box, Index num_triangles) {
   const Vec3 size = box.upper - box.lower;
   return fmt::format("{:.4g} \u00d7 {:.4g} as seen, {} triangle{}", size.x, size.y, num_triangles,
                      num_triangles == 1 ? "" : "s");
@@ -239,6 +225,17 @@ void move_to_panel(const Exec& exec, const Layout& layout, std::vector<Vec3>& po
   exec.for_blocks(static_cast<Index>(point.size()), kBlock, [&](Index, Range r) {
     for (Index v = r.begin; v < r.end; ++v) point[v] = layout.to_panel(point[v]);
   });
+}
+
+void draw_list(Canvas& canvas, const std::vector<Feature>& features, const Layout& layout) {
+  std::vector<ListEntry> entries;
+  for (const Feature& f : features) {
+    entries.push_back({f.name, f.is_region() ? Swatch::Tint : Swatch::Line,
+                       size_text(f.is_region(), f.length, f.triangle.size())});
+  }
+  draw_feature_list(canvas, entries, "lengths in mesh units; dashed: behind the surface",
+                    {layout.unit * kMargin, layout.list_top}, layout.width - 2 * layout.unit * kMargin,
+                    layout.unit);
 }
 
 std::vector<Rgb> colours_of(const std::vector<Feature>& features) {
@@ -283,9 +280,8 @@ Result<void> write_feature_picture(const Exec& exec, const std::string& path, co
   draw_panel(exec, canvas,
              {surface.corner_vertex, point, tint, tint_colour, layout.panel_width, layout.panel_height},
              features, layout);
-  draw_heading(canvas, layout, options.title, size_text(box, surface.num_triangles()));
-  draw_feature_list(canvas, features, {layout.unit * kMargin, layout.list_top},
-                    layout.width - 2 * layout.unit * kMargin, layout.unit);
+  draw_heading(canvas, layout, options.title, seen_size(box, surface.num_triangles()));
+  draw_list(canvas, features, layout);
   const Result<std::string> bytes = canvas.finish();
   if (!bytes) return fail(bytes.error());
   return write_file(path, *bytes);

@@ -15,7 +15,8 @@ namespace planish {
 
 /// Writes .svg or .png by extension. The surface is shaded and seen as choose_view() has it, the nearest in
 /// front; what lies behind of a chain is dashed. An SVG holds the surface as an image, everything else as
-/// lines and glyph outlines. Of regions that share a triangle the last one colours it.
+/// lines and glyph outlines. Of regions that share a triangle the last one colours it. The options' own
+/// features are not used.
 /// Fails: UnknownFormat for other extensions; BadUsage (width); NonFinitePosition; IndexOutOfRange (corners,
 /// features); OutOfMemory; CannotWrite.
 /// Cost: O(T + pixels), 100 bytes a triangle.

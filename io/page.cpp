@@ -19,6 +19,12 @@ Result<Canvas::Format> check_page(const std::string& path, int width) {
   return format == "png" ? Canvas::Format::Png : Canvas::Format::Svg;
 }
 
+PixelBox around_panel(Vec2 panel_corner, int panel_height, int width) {
+  const double unit = width / 1600.0, aside = 0.25 * panel_corner.x;
+  return {{aside, panel_corner.y - unit * 14},
+          {width - aside, panel_corner.y + panel_height + unit * (kGap - 8)}};
+}
+
 void draw_title(Canvas& canvas, const std::string& title, double room, double unit) {
   const TextStyle style{unit * kTitleSize, kInk, true, Anchor::Left};
   canvas.text({unit * kMargin, unit * kTitleBaseline}, fitting(canvas, title, room, style), style);

@@ -19,6 +19,9 @@ inline constexpr double kTitleBaseline = kMargin + 0.8 * kTitleSize;
 /// Fails: UnknownFormat for other extensions than .svg and .png; BadUsage (width not in [200, 8000]).
 Result<Canvas::Format> check_page(const std::string& path, int width);
 
+/// Where lines and names of features may go: the panel and a part of what is free around it.
+PixelBox around_panel(Vec2 panel_corner, int panel_height, int width);
+
 /// As much of the title as fits into `room`, at the page's upper left; `unit` is the picture's width / 1600.
 void draw_title(Canvas& canvas, const std::string& title, double room, double unit);
 

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "io/feature_lines.hpp"
 #include "io/file.hpp"
+#include "io/flat_features.hpp"
 #include "io/legend.hpp"
 #include "io/outline.hpp"
 #include "io/page.hpp"
@@ -33,6 +35,7 @@ struct Layout {
   Vec2 lower;                ///< uv that is drawn at `origin`
   Vec2 origin;               ///< pixels from the panel's corner
   Vec2 size;                 ///< of the panel, mesh units
+  double legend_top = 0, list_top = 0;
 
   /// Pixels from the panel's corner.
   Vec2 to_panel(Vec2 uv) const {
@@ -40,7 +43,8 @@ struct Layout {
   }
 };
 
-Result<void> check_input(const Surface& surface, In<Vec2> uv, const Certificate& certificate) {
+Result<void> check_input(const Surface& surface, In<Vec2> uv, const Certificate& certificate,
+                         In<PlacedFeature> features) {
   if (uv.size() != surface.position.size()) {
     return fail(ErrorCode::BadUsage, fmt::format("a picture needs one uv a vertex: {} for {}", uv.size(),
                                                  surface.position.size()));
@@ -51,6 +55,9 @@ Result<void> check_input(const Surface& surface, In<Vec2> uv, const Certificate&
   }
   if (std::ranges::any_of(certificate.flipped, out_of(surface.num_triangles()))) {
     return fail(ErrorCode::IndexOutOfRange, "a flipped triangle does not exist");
+  }
+  if (auto checked = check_features(features, surface.num_vertices(), surface.num_triangles()); !checked) {
+    return checked;
   }
   Error error{
       .code = ErrorCode::NonFinitePosition, .what = "uv is not finite", .element = ElementKind::Vertex};
@@ -79,7 +86,7 @@ Box bounding_box(In<Index> corner_vertex, In<Vec2> uv) {
 }
 
 /// The panel in true aspect, as wide as fits and never higher than leaves 4 times the width for the whole.
-Result<Layout> lay_out(const Box& box, int width) {
+Result<Layout> lay_out(const Box& box, std::size_t num_features, int width) {
   Layout layout;
   layout.width = width;
   layout.unit = width / 1600.0;
@@ -89,7 +96,8 @@ Result<Layout> lay_out(const Box& box, int width) {
     return fail(ErrorCode::NonFinitePosition, "the extent of uv is not finite");
   }
   const double u = layout.unit;
-  const double around = u * (kMargin + kTitleHeight + kGap + kLegendHeight + kMargin);
+  const double list = num_features > 0 ? 0.5 * u * kGap + feature_list_height(num_features, u) : 0;
+  const double around = u * (kMargin + kTitleHeight + kGap + kLegendHeight + kMargin) + list;
   const double room_x = width - 2 * u * kMargin, room_y = 4.0 * width - around - 1;
   const double scale = std::min(room_x / layout.size.x, room_y / layout.size.y);
   layout.pixels_a_unit =
@@ -99,6 +107,8 @@ Result<Layout> lay_out(const Box& box, int width) {
   layout.panel_width = static_cast<int>(std::ceil(room_x));
   layout.panel_height = static_cast<int>(std::ceil(panel_y));
   layout.height = static_cast<int>(std::ceil(around + panel_y));
+  layout.legend_top = layout.height - u * (kLegendHeight + kMargin) - list;
+  layout.list_top = layout.legend_top + u * (kLegendHeight + 0.5 * kGap);
   layout.origin = {0.5 * (room_x - layout.pixels_a_unit * layout.size.x),
                    0.5 * (panel_y + layout.pixels_a_unit * layout.size.y)};
   return layout;
@@ -156,17 +166,6 @@ void draw_field(Canvas& canvas, const Layout& layout, const Raster& raster, Wire
   canvas.image(layer, layout.panel_corner);
 }
 
-/// The chain without points that would not be seen.
-std::vector<Vec2> visible_line(const std::vector<Index>& chain, In<Vec2> point) {
-  constexpr double kNearest = 0.35;  // pixels
-  std::vector<Vec2> line{point[chain.front()]};
-  for (const Index v : chain) {
-    if (norm(point[v] - line.back()) >= kNearest) line.push_back(point[v]);
-  }
-  if (line.back() != point[chain.back()]) line.push_back(point[chain.back()]);
-  return line;
-}
-
 /// Bold, but never more ink than a small part of the panel: a thousand small components keep their colours.
 double boundary_width(const std::vector<std::vector<Vec2>>& lines, const Raster& raster, double unit) {
   constexpr double kMostInk = 0.12;
@@ -220,8 +219,10 @@ Result<void> write_picture(const Exec& exec, const std::string& path, const Surf
                            const Certificate& certificate, const PictureOptions& options) {
   const Result<Canvas::Format> format = check_page(path, options.width);
   if (!format) return fail(format.error());
-  if (auto checked = check_input(surface, uv, certificate); !checked) return fail(checked.error());
-  const Result<Layout> laid_out = lay_out(bounding_box(surface.corner_vertex, uv), options.width);
+  if (auto checked = check_input(surface, uv, certificate, options.features); !checked)
+    return fail(checked.error());
+  const Result<Layout> laid_out =
+      lay_out(bounding_box(surface.corner_vertex, uv), options.features.size(), options.width);
   if (!laid_out) return fail(laid_out.error());
   const Layout& layout = *laid_out;
   const In<Index> corner_vertex = surface.corner_vertex;
@@ -236,6 +237,8 @@ Result<void> write_picture(const Exec& exec, const std::string& path, const Surf
   canvas.fill_rectangle({}, {double(layout.width), double(layout.height)}, kPaper);
   draw_field(canvas, layout, raster, make_wireframe(exec, outline, point, corner_vertex));
   draw_boundary(canvas, layout, outline, point, raster);
+  draw_features(exec, canvas, options.features,
+                {corner_vertex, point, layout.panel_corner, layout.panel_height, layout.width});
   mark_flips(canvas, layout, certificate.flipped, corner_vertex, point);
   draw_title(canvas, options.title, layout.width - 2 * layout.unit * kMargin, layout.unit);
   draw_legend(canvas,
@@ -244,7 +247,9 @@ Result<void> write_picture(const Exec& exec, const std::string& path, const Surf
                .triangles = surface.num_triangles(),
                .panel_size = layout.size,
                .pixels_a_unit = layout.pixels_a_unit},
-              layout.height - layout.unit * (kLegendHeight + kMargin), layout.unit * kMargin, layout.unit);
+              layout.legend_top, layout.unit * kMargin, layout.unit);
+  draw_list_of(canvas, options.features, {layout.unit * kMargin, layout.list_top},
+               layout.width - 2 * layout.unit * kMargin, layout.unit);
   const Result<std::string> bytes = canvas.finish();
   if (!bytes) return fail(bytes.error());
   return write_file(path, *bytes);

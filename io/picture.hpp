@@ -1,4 +1,4 @@
-// The flat panel as a picture: colours by stretch with a legend, wireframe, boundary, flipped triangles.
+// The flat panel as a picture: colours by stretch with a legend, wireframe, boundary, features, flipped triangles.
 #pragma once
 
 #include <string>
@@ -7,23 +7,25 @@
 #include "engine/model/error.hpp"
 #include "engine/model/flattening.hpp"
 #include "engine/model/mesh.hpp"
+#include "io/placed_feature.hpp"
 
 namespace planish {
 
 struct PictureOptions {
   int width = 1600;  ///< pixels (SVG: user units), 200 to 8000; the height follows the panel, at most 4 times
                      ///< the width
-  std::string title;  ///< shown above the panel
+  std::string title;                ///< shown above the panel
+  In<PlacedFeature> features = {};  ///< shown on the flat panel and listed below it
 };
 
 /// Writes .svg or .png by extension. The colour of a triangle is the singular value that deviates more from 1
-/// (by its logarithm), minus 1. An SVG holds the colours as an image, everything else as lines and glyph
-/// outlines.
+/// (by its logarithm), minus 1. Chains of features are coloured lines with straight edges between their vertices,
+/// regions are hatched; over chains that were to be straight or round, the nearest line or circle is dashed. An SVG
+/// holds the colours as an image, everything else as lines and glyph outlines.
 ///   uv [V];  certificate: its numbers are shown, its flipped triangles marked
 /// Fails: UnknownFormat for other extensions; BadUsage (width, size of uv); NonFinitePosition (uv);
-/// IndexOutOfRange (corners, flipped ids); OutOfMemory; CannotWrite.
-/// Cost: O(T + pixels), 100 bytes a
-/// triangle.
+/// IndexOutOfRange (corners, flipped ids, features); OutOfMemory; CannotWrite.
+/// Cost: O(T + pixels + sizes of the features), 100 bytes a triangle.
 Result<void> write_picture(const Exec& exec, const std::string& path, const Surface& surface, In<Vec2> uv,
                            const Certificate& certificate, const PictureOptions& options);
 

@@ -1,20 +1,21 @@
 #include "io/picture.hpp"
 
-#include <cairo.h>
 #include <doctest/doctest.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "io/colour_scale.hpp"
 #include "io/legend.hpp"
+#include "tests/io/pixels.hpp"
 
 namespace planish {
 namespace {
+
+using test::bytes_of;
+using test::Pixels;
 
 /// A folder that is gone after the test.
 class Folder {
@@ -62,45 +63,12 @@ Panel wavy_panel(int n, int m) {
   return panel;
 }
 
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  return bytes.str();
+/// Pixels above the legend's place that hold.
+template <class Holds>
+int count(const Pixels& pixels, Holds&& holds) {
+  const int last = pixels.height() - static_cast<int>((kLegendHeight + 48) * pixels.width() / 1600.0);
+  return pixels.count(pixels.width() * 100 / 1600, last, holds);
 }
-
-/// A PNG read back; colours without alpha.
-class Pixels {
- public:
-  explicit Pixels(const std::string& path) : surface_(cairo_image_surface_create_from_png(path.c_str())) {
-    REQUIRE(cairo_surface_status(surface_) == CAIRO_STATUS_SUCCESS);
-  }
-  ~Pixels() { cairo_surface_destroy(surface_); }
-  Pixels(const Pixels&) = delete;
-  Pixels& operator=(const Pixels&) = delete;
-
-  int width() const { return cairo_image_surface_get_width(surface_); }
-  int height() const { return cairo_image_surface_get_height(surface_); }
-  std::uint32_t at(int x, int y) const {
-    const unsigned char* const row =
-        cairo_image_surface_get_data(surface_) +
-        static_cast<std::ptrdiff_t>(y) * cairo_image_surface_get_stride(surface_);
-    return reinterpret_cast<const std::uint32_t*>(row)[x] & 0xFFFFFF;
-  }
-  /// Pixels above the legend's place that hold.
-  template <class Holds>
-  int count(Holds&& holds) const {
-    const int last = height() - static_cast<int>((kLegendHeight + 48) * width() / 1600.0);
-    int n = 0;
-    for (int y = width() * 100 / 1600; y < last; ++y) {
-      for (int x = 0; x < width(); ++x) n += holds(at(x, y)) ? 1 : 0;
-    }
-    return n;
-  }
-
- private:
-  cairo_surface_t* surface_;
-};
 
 /// Magenta, thinned at most to half by antialiasing: no colour of the scale, of paper or of ink is near.
 bool is_flip_colour(std::uint32_t pixel) {
@@ -145,11 +113,11 @@ TEST_CASE("picture: a single flipped triangle far below a pixel is ringed") {
   const Folder folder("planish_picture_flip");
   Panel panel = wavy_panel(600, 300);
   REQUIRE(panel.write(folder.file("none.png")));
-  CHECK(Pixels(folder.file("none.png")).count(is_flip_colour) == 0);
+  CHECK(count(Pixels(folder.file("none.png")), is_flip_colour) == 0);
   panel.certificate.flipped = {123457};
   panel.certificate.flipped_triangles = 1;
   REQUIRE(panel.write(folder.file("one.png")));
-  CHECK(Pixels(folder.file("one.png")).count(is_flip_colour) > 6);
+  CHECK(count(Pixels(folder.file("one.png")), is_flip_colour) > 6);
 }
 
 TEST_CASE("picture: a large flipped triangle is filled") {
@@ -158,7 +126,7 @@ TEST_CASE("picture: a large flipped triangle is filled") {
   panel.certificate.flipped = {5};
   panel.certificate.flipped_triangles = 1;
   REQUIRE(panel.write(folder.file("p.png")));
-  CHECK(Pixels(folder.file("p.png")).count(is_flip_colour) >
+  CHECK(count(Pixels(folder.file("p.png")), is_flip_colour) >
         0.6 * 0.5 * 94 * 94);  // half a cell of 94 pixels
 }
 
@@ -186,7 +154,7 @@ TEST_CASE("picture: the wireframe is left out before it would be grey") {
   const auto share = [&](int n) {
     REQUIRE(flat_panel(n).write(folder.file("p.png")));
     const Pixels pixels(folder.file("p.png"));
-    return static_cast<double>(pixels.count(is_zero_stretch)) / pixels.count(is_drawn);
+    return static_cast<double>(count(pixels, is_zero_stretch)) / count(pixels, is_drawn);
   };
   CHECK(share(400) > 0.95);  // less than a pixel an edge: nothing but the boundary
   CHECK(share(30) < 0.9);    // 12 pixels an edge
