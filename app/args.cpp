@@ -60,7 +60,7 @@ void add_common(CLI::App& app, CommonArgs& common) {
 
 void add_flatten(CLI::App& app, FlattenArgs& args) {
   app.add_option("mesh", args.mesh, "mesh to flatten: .obj .ply .stl .off, each also with .gz")->required();
-  app.add_option("-c,--constraints", args.constraints, "constraint file, JSON: features and seams");
+  app.add_option("-c,--constraints", args.constraints, "constraint file, JSON: features, constraints, seams");
   app.add_option("-o,--output", args.output, "mesh with its parameterization: .ply or .obj, also with .gz");
   app.add_option("--report", args.report, "report, JSON");
   app.add_option("--picture", args.picture, "picture of the flat panel: .png or .svg");

@@ -1,11 +1,13 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "app/commands.hpp"
 #include "app/featured.hpp"
 #include "app/provenance.hpp"
 #include "engine/cut.hpp"
+#include "engine/features/parted.hpp"
 #include "engine/flatten.hpp"
 #include "io/file.hpp"
 #include "io/mesh_files.hpp"
@@ -42,20 +44,14 @@ class FlattenCommand {
     if (!featured) return fail(featured.error());
     featured_ = std::move(*featured);
     warnings_ = featured_.mesh.warnings;
-    if (featured_.set.constraints.empty()) return {};
-    Error error{
-        .code = ErrorCode::NotBuilt,
-        .what = "constraints are not solved by this version; features and seams alone are used without them"};
-    error.place = {.file = args_.constraints, .pointer = "/constraints"};
-    return fail(error);
+    return {};
   }
 
   Result<void> open() {
     if (featured_.set.seams.empty() && args_.cut == CutMode::None) return {};
     progress_.show({.phase = Phase::Cut});
-    static const std::vector<Feature> kNoFeatures;
     auto opened = stopwatch_(Phase::Cut, [&] {
-      return cut(mesh().surface(), features() ? *features() : kNoFeatures, featured_.set.seams,
+      return cut(mesh().surface(), embedded_features(), featured_.set.seams,
                  {.mode = args_.cut, .threads = exec_.threads()});
     });
     if (!opened) {
@@ -63,15 +59,40 @@ class FlattenCommand {
       return fail(in_file(opened.error(), of_seam ? args_.constraints : args_.mesh));
     }
     cut_ = std::move(*opened);
+    if (!features()) return {};
+    auto parted = features_on_cut(mesh().surface(), *cut_, *features(), featured_.set);
+    if (!parted) return fail(in_file(parted.error(), args_.constraints));
+    parted_ = std::move(*parted);
     return {};
   }
 
   Result<void> solve() {
-    auto result = flatten(flat_surface(), args_.options, monitor_);
-    if (!result) return fail(in_file(result.error(), args_.mesh));
+    auto result = flatten(flat_surface(), constraints(), args_.options, monitor_);
+    if (!result) {
+      const bool of_constraint = !result.error().place.pointer.empty();
+      return fail(in_file(result.error(), of_constraint ? args_.constraints : args_.mesh));
+    }
     flattening_ = std::move(*result);
+    if (cut_) {
+      for (ConstraintOutcome& outcome : flattening_.constraints.outcome) {
+        for (Index& v : outcome.yielded) v = cut_->vertex_origin[v];
+      }
+    }
     warn_of_unwelded();
     return {};
+  }
+
+  /// Without a constraint file there is nothing to meet.
+  Constraints constraints() const {
+    if (args_.constraints.empty()) return {};
+    Constraints constraints{.set = &featured_.set, .features = cut_ ? &parted_ : &embedded_features()};
+    if (cut_) constraints.vertex_origin = cut_->vertex_origin;
+    return constraints;
+  }
+
+  const std::vector<Feature>& embedded_features() const {
+    static const std::vector<Feature> kNone;
+    return features() ? *features() : kNone;
   }
 
   const Mesh& mesh() const { return featured_.mesh; }
@@ -128,8 +149,32 @@ class FlattenCommand {
 
   Result<void> draw() {
     if (args_.picture.empty()) return {};
-    return write_picture(exec_, args_.picture, flat_surface(), flattening_.uv, flattening_.certificate,
-                         {.title = file_name(args_.mesh)});
+    const std::vector<PlacedFeature> placed = placed_features();
+    PictureOptions options;
+    options.title = file_name(args_.mesh);
+    options.features = placed;
+    return write_picture(exec_, args_.picture, flat_surface(), flattening_.uv, flattening_.certificate, options);
+  }
+
+  /// The features that constraints speak of, as the flat picture shows them.
+  std::vector<PlacedFeature> placed_features() const {
+    std::vector<PlacedFeature> placed;
+    for (const Feature& feature : cut_ ? parted_ : embedded_features()) {
+      using Ideal = PlacedFeature::Ideal;
+      Ideal ideal = Ideal::None;
+      bool used = false;
+      for (const ConstraintOutcome& c : flattening_.constraints.outcome) {
+        if (std::find(c.features.begin(), c.features.end(), feature.name) == c.features.end()) continue;
+        used = true;
+        if (c.type == "line") ideal = Ideal::Line;
+        if (c.type == "circle") ideal = Ideal::Circle;
+      }
+      if (used) {
+        placed.push_back(
+            {feature.name, feature.vertex, feature.closed, feature.triangle, ideal, feature.length});
+      }
+    }
+    return placed;
   }
 
   Result<void> write_report() {
@@ -160,14 +205,40 @@ class FlattenCommand {
           "overlapping pairs {}\n",
           flattening_.mesh.triangles, flattening_.iterations, c.arap, c.sigma_min.min, c.sigma_max.max,
           c.flipped_triangles, c.overwound_vertices, c.overlapping_pairs);
+      say_constraints();
     }
+    const bool disordered = say_disorder();
     const bool flips = c.flipped_triangles > 0 || c.overwound_vertices > 0;
     if (!flattening_.converged) say_not_converged();
     if (flips) {
       fmt::print(stderr, "planish: {}: {} triangles are flipped and {} vertices overwound in the map\n",
                  args_.mesh, c.flipped_triangles, c.overwound_vertices);
     }
-    return flips || !flattening_.converged ? 6 : 0;
+    return flips || disordered || !flattening_.converged ? 6 : 0;
+  }
+
+  void say_constraints() const {
+    const ConstraintOutcome* worst = nullptr;
+    double worst_share = -1;
+    for (const ConstraintOutcome& c : flattening_.constraints.outcome) {
+      constexpr double kDegrees = 1e-7, kLength = 1e-9;  // what is allowed
+      const double share = c.residual / (c.degrees ? kDegrees : kLength);
+      if (share > worst_share) worst = &c, worst_share = share;
+    }
+    if (!worst) return;
+    fmt::print("{} constraints met, the worst is \"{}\" with residual {:.2e}{}\n",
+               flattening_.constraints.outcome.size(), worst->name, worst->residual, worst->degrees ? " degrees" : "");
+  }
+
+  /// Lines whose vertices do not follow one another any more.
+  bool say_disorder() const {
+    bool any = false;
+    for (const ConstraintOutcome& c : flattening_.constraints.outcome) {
+      if (c.keeps_order) continue;
+      any = true;
+      fmt::print(stderr, "planish: {}: the vertices of \"{}\" lost their order along the line\n", args_.mesh, c.name);
+    }
+    return any;
   }
 
   void say_not_converged() const {
@@ -188,6 +259,7 @@ class FlattenCommand {
   Stopwatch stopwatch_;
   FeaturedMesh featured_;
   std::optional<Cut> cut_;
+  std::vector<Feature> parted_;  // on the opened surface
   std::vector<std::string> warnings_;
   Flattening flattening_;
 };

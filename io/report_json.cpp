@@ -109,6 +109,53 @@ void add_embedding(Json& report, const Embedding& e) {
   for (const Feature& feature : e.features) report["features"][feature.name] = feature_facts(feature);
 }
 
+template <class T>
+Json optional(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json outcome_json(const ConstraintOutcome& c) {
+  Json json = {{"name", c.name}, {"type", c.type}};
+  const bool relates = c.degrees.has_value();
+  if (relates && c.type != "direction") {
+    if (!c.features.empty()) json["features"] = c.features;
+    if (!c.edges.empty()) json["edges"] = c.edges;
+  } else {
+    if (!c.features.empty()) json["feature"] = c.features.front();
+    if (!c.edges.empty()) json["edge"] = c.edges.front();
+    if (!c.pinned.empty()) json["vertices"] = c.pinned;
+  }
+  if (c.side != 0) json["side"] = c.side;
+  json["residual"] = number(c.residual);
+  json["residual_abs"] = number(c.residual_abs);
+  if (relates) json["degrees"] = optional(c.degrees);
+  if (relates || !c.pinned.empty()) return json;
+  json["scale"] = optional(c.scale);
+  json["orientation"] = optional(c.orientation);
+  json["template"] = nullptr;
+  if (!c.shape.empty()) {
+    json["template"] = Json::array();
+    for (const Vec2 t : c.shape) json["template"].push_back({number(t.x), number(t.y)});
+  }
+  json["mirrored"] = c.mirrored;
+  if (c.chirality_open) json["chirality_open"] = true;
+  json["planarity"] = optional(c.planarity);
+  json["mismatch"] = number(c.mismatch);
+  json["yielded"] = c.yielded;
+  if (c.type == "line") json["keeps_order"] = c.keeps_order;
+  return json;
+}
+
+void add_constraints(Json& report, const ConstraintFacts& facts) {
+  report["constraints"] = Json::array();
+  for (const ConstraintOutcome& c : facts.outcome) report["constraints"].push_back(outcome_json(c));
+  report["elimination"] = {{"bodies", facts.bodies},
+                           {"assemblies", facts.assemblies},
+                           {"clusters", facts.clusters},
+                           {"border_unknowns", facts.border_unknowns},
+                           {"factor_nonzeros", facts.factor_nonzeros}};
+}
+
 void add_cut(Json& report, const CutFacts& cut) {
   report["cut"] = {
       {"cut_edges", cut.cut_edges}, {"cut_length", number(cut.cut_length)}, {"charts", cut.charts}};
@@ -132,6 +179,8 @@ std::string report_json(const Flattening& flattening, const ReportContext& conte
   report["mesh"] = mesh_facts(flattening.mesh);
   if (embedding != nullptr) add_embedding(report, *embedding);
   if (cut != nullptr) add_cut(report, *cut);
+  if (flattening.constraints.bodies > 0 || !flattening.constraints.outcome.empty())
+    add_constraints(report, flattening.constraints);
   add_certificate(report, flattening.certificate);
   add_iteration(report, flattening);
   report["timings_s"] = timings(flattening.timings, context.extra_timings);

@@ -46,6 +46,7 @@ constexpr std::array kCodes = {
               "turn one of them around, or end it earlier"},
     CodeEntry{ErrorCode::RegionBroken, "region-broken", 5, ""},
     CodeEntry{ErrorCode::ConstraintInvalid, "constraint-invalid", 5, ""},
+    CodeEntry{ErrorCode::ConstraintsConflict, "constraints-conflict", 5, "drop or change one of them"},
     CodeEntry{ErrorCode::FactorizationFailed, "factorization-failed", 1, "please report it with the input"},
     CodeEntry{ErrorCode::ResidualTooLarge, "residual-too-large", 1, "please report it with the input"},
     CodeEntry{ErrorCode::OutOfMemory, "out-of-memory", 4, "use a smaller mesh or a larger machine"},
@@ -69,6 +70,7 @@ std::string plural(ElementKind element, bool many) {
     case ElementKind::Component: return many ? "components" : "component";
     case ElementKind::Property: return many ? "properties" : "property";
     case ElementKind::Point: return many ? "points" : "point";
+    case ElementKind::Constraint: return many ? "constraints" : "constraint";
   }
   return "";
 }
@@ -118,6 +120,7 @@ const char* name(ElementKind element) {
     case ElementKind::Component: return "component";
     case ElementKind::Property: return "property";
     case ElementKind::Point: return "point";
+    case ElementKind::Constraint: return "constraint";
   }
   return "none";
 }

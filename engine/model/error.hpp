@@ -37,6 +37,7 @@ enum class ErrorCode {
   FeaturesOverlap,          ///< two features run along one edge in opposite directions
   RegionBroken,             ///< a region that is not connected, not bounded by edges, or empty
   ConstraintInvalid,        ///< a constraint that names what does not exist or does not fit its feature
+  ConstraintsConflict,      ///< constraints that cannot all hold
   FactorizationFailed,      ///< the matrix is not positive definite
   ResidualTooLarge,         ///< rotations do not meet their rows
   OutOfMemory,              ///< memory could not be had
@@ -45,7 +46,7 @@ enum class ErrorCode {
 };
 
 /// What the ids of an error count.
-enum class ElementKind { None, Vertex, Triangle, Edge, Component, Property, Point };
+enum class ElementKind { None, Vertex, Triangle, Edge, Component, Property, Point, Constraint };
 
 /// Where in a file. Lines and columns count from 1; byte from 0 (kNone where lines are the better place).
 struct Place {

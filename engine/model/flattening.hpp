@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,35 @@ struct Iterate {
   double gradient = 0;  ///< DESIGN 3.5
 };
 
+/// What became of one constraint (DESIGN 4.3 "constraints"); of one on a seam there are two, a side each.
+struct ConstraintOutcome {
+  std::string name, type = {};
+  std::vector<std::string> features = {};
+  std::vector<std::array<Index, 2>> edges = {};  ///< of relations between edges
+  std::vector<Index> pinned = {};                ///< of a pin, its vertices as in the file
+  int side = 0;                             ///< of a seam: 1 left of the feature, 2 right
+  double residual = 0;      ///< DESIGN 3.8, on the final coordinates; relations: degrees
+  double residual_abs = 0;  ///< the same in mesh units (relations: in degrees)
+  std::optional<double> scale = {};        ///< of the template in the plane
+  std::optional<double> orientation = {};  ///< of the template, degrees; of a line its direction
+  std::optional<double> degrees = {};      ///< of a relation: the angle from the first to the second, as chosen
+  std::vector<Vec2> shape = {};            ///< the template at scale 1, mesh units; empty: none
+  bool mirrored = false;
+  bool chirality_open = false;    ///< the surface did not tell which way round; the better one was taken
+  std::optional<double> planarity = {};  ///< farthest vertex from its plane, mesh units; of a region: worst stretch - 1
+  double mismatch = 0;            ///< by how much it yielded to features of higher rank, mesh units
+  std::vector<Index> yielded = {};     ///< vertices where it did
+  bool keeps_order = true;        ///< of a line: no edge runs backwards
+};
+
+/// What constraints left free, and what the solver made of it.
+struct ConstraintFacts {
+  std::vector<ConstraintOutcome> outcome;  ///< in the order of the file
+  Index bodies = 0, assemblies = 0, clusters = 0;
+  Index border_unknowns = 0;  ///< free scales, orientations, places along lines
+  Offset factor_nonzeros = 0;
+};
+
 struct StepTime {
   std::string step;
   double seconds = 0;
@@ -63,6 +93,7 @@ struct Flattening {
   double gradient = 0;  ///< of the last iterate
   double holonomy_residual =
       0;  ///< largest residual of the rotation rows, radians (0 where none were solved)
+  ConstraintFacts constraints;  ///< empty where there are none
   std::vector<StepTime> timings;
   int threads = 1;
 };

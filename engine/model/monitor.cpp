@@ -8,6 +8,7 @@ const char* name(Phase phase) {
     case Phase::Check: return "check";
     case Phase::Embed: return "embed";
     case Phase::Cut: return "cut";
+    case Phase::Compile: return "compile";
     case Phase::Order: return "order";
     case Phase::Start: return "start";
     case Phase::LocalGlobal: return "local_global";

@@ -6,23 +6,31 @@
 
 namespace planish {
 
-RotationRows rotation_rows(const Topology& topology, In<Index> corner_vertex, In<double> angle_sum) {
+std::vector<Index> outer_loops(const Topology& topology, Index chosen) {
+  std::vector<Index> outer(topology.num_components, kNone);
+  for (Index l = topology.num_loops(); l-- > 0;) {  // by decreasing length
+    const Index component = topology.triangle_component[topology.loop_corner[topology.loop_begin[l]] / 3];
+    if (outer[component] == kNone || outer[component] != chosen) outer[component] = l;
+  }
+  return outer;
+}
+
+RotationRows rotation_rows(const Topology& topology, In<Index> corner_vertex, In<double> angle_sum,
+                           In<Index> outer_loop) {
   const auto num_vertices = static_cast<Index>(angle_sum.size());
   RotationRows rows;
   rows.vertex_node.resize(num_vertices);
   rows.target.assign(num_vertices, 0);
-  rows.outer_loop.assign(topology.num_components, kNone);
+  rows.outer_loop = outer_loop.empty() ? outer_loops(topology)
+                                       : std::vector<Index>(outer_loop.begin(), outer_loop.end());
   for (Index v = 0; v < num_vertices; ++v) {
     rows.vertex_node[v] = v;
     rows.target[v] = 2 * kPi - angle_sum[v];
   }
   rows.num_nodes = num_vertices;
-  for (Index l = 0; l < topology.num_loops();
-       ++l) {  // by decreasing length: the first of a component is its outer one
+  for (Index l = 0; l < topology.num_loops(); ++l) {
     const auto corners = slice(In<Index>(topology.loop_corner), topology.loops().group(l));
-    Index& outer = rows.outer_loop[topology.triangle_component[corners.front() / 3]];
-    const bool is_outer = outer == kNone;
-    if (is_outer) outer = l;
+    const bool is_outer = l == rows.outer_loop[topology.triangle_component[corners.front() / 3]];
     double hole_target = 2 * kPi;
     for (const Index c : corners) {
       const Index v = corner_vertex[c];

@@ -22,8 +22,14 @@ struct RotationRows {
   std::vector<Index> outer_loop;  ///< per component, the longest of its loops
 };
 
-/// Ref: DESIGN 3.1 rows and holes.   angle_sum [V] radians.   Pre: manifold, every component has a boundary.
-RotationRows rotation_rows(const Topology& topology, In<Index> corner_vertex, In<double> angle_sum);
+/// Per component the loop that is its outer one: that of `chosen` (a loop or kNone) where it has it, else the longest.
+/// Pre: manifold, every component has a boundary.
+std::vector<Index> outer_loops(const Topology& topology, Index chosen = kNone);
+
+/// Ref: DESIGN 3.1 rows and holes.   angle_sum [V] radians;  outer_loop: per component, empty: the longest.
+/// Pre: manifold, every component has a boundary.
+RotationRows rotation_rows(const Topology& topology, In<Index> corner_vertex, In<double> angle_sum,
+                           In<Index> outer_loop = {});
 
 /// Largest |row residual| of node potentials: sum over a node's edges of weight (potential - neighbour's) -
 /// target.

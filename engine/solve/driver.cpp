@@ -32,27 +32,65 @@ bool promises_long_way(const std::vector<Iterate>& history, double tolerance) {
   return std::log(now / tolerance) > kPatience * digits_a_step;
 }
 
+/// A turn of a body by more makes the metric's border stale, radians.
+constexpr double kStaleTurn = 0.05;
+
 class Iteration {
  public:
   Iteration(const Exec& exec, const ArapProblem& problem)
-      : exec_(exec),
-        problem_(problem),
-        local_(exec, problem.energy),
-        quasi_newton_(exec, kQuasiNewtonMemory),
-        uv_(problem.energy.num_vertices()),
-        force_(uv_.size()),
-        descent_(uv_.size()),
-        direction_(uv_.size()),
-        uv_before_(uv_.size()),
-        force_before_(uv_.size()),
-        descent_before_(uv_.size()) {}
+      : exec_(exec), problem_(problem), local_(exec, problem.energy), quasi_newton_(exec, kQuasiNewtonMemory) {}
 
-  void start() {
-    local_.evaluate_rotations(problem_.rotation, force_);
+  /// The first global step, for the first rotations.
+  Result<void> start() {
+    x_ = problem_.first->origin();
+    if (auto used = use(*problem_.first); !used) return used;
+    local_.evaluate_rotations(vertices(x_), problem_.rotation, vertices(force_));
+    dof_->fold(force_);
     solve();
-    uv_ = descent_;
-    energy_ = local_.evaluate(uv_, force_);
+    combine(exec_, {{1, x_}, {1, descent_}}, x_before_);
+    x_.swap(x_before_);
+    if (!dof_->expand(x_)) return fail(ErrorCode::InternalDefect, "the first global step leaves the joints");
+    evaluate();
     solve();
+    return {};
+  }
+
+  /// Goes on in another DOF map, from the same positions.
+  Result<void> use(DofMap& dof) {
+    if (dof_) dof.adopt(*dof_);
+    dof_ = &dof;
+    x_.resize(dof.size());
+    dof.rebase(x_);
+    for (std::vector<Vec2>* column : {&force_, &descent_, &direction_, &x_before_, &force_before_, &descent_before_})
+      column->resize(dof.size());
+    return refresh();
+  }
+
+  /// Makes the border of the metric that of the present directions.
+  Result<void> refresh() {
+    const DofMap::Border border =
+        dof_->border(problem_.energy.corner_vertex, *problem_.topology, problem_.edge_weight);
+    auto bordered = BorderedPhase::factor(exec_, *problem_.global, border.column, border.corner);
+    if (!bordered) return fail(bordered.error());
+    bordered_.emplace(std::move(*bordered));
+    quasi_newton_.forget();
+    return {};
+  }
+
+  /// The same once bodies have turned far.
+  Result<void> keep_fresh() {
+    if (!problem_.constrained || dof_->poses()->turned() <= kStaleTurn) return {};
+    dof_->rebase(x_);
+    if (auto refreshed = refresh(); !refreshed) return refreshed;
+    return resume();
+  }
+
+  /// Energy and forces at x_, which is expanded.
+  Result<void> resume() {
+    if (!dof_->expand(x_)) return fail(ErrorCode::InternalDefect, "poses leave their joints");
+    evaluate();
+    solve();
+    return {};
   }
 
   /// DESIGN 3.5: sqrt(g^T H^-1 g / E) with g = 2 force and H twice the matrix factored last.
@@ -71,7 +109,7 @@ class Iteration {
     }
     descent_.swap(descent_before_);
     solve();
-    quasi_newton_.learn({uv_before_, force_before_, descent_before_}, {uv_, force_, descent_});
+    quasi_newton_.learn({x_before_, force_before_, descent_before_}, {x_, force_, descent_});
     return true;
   }
 
@@ -81,7 +119,7 @@ class Iteration {
       newton_.emplace(exec_, problem_.energy, problem_.order, problem_.vertex_component,
                       problem_.num_components);
     }
-    auto prepared = newton_->direction(uv_, force_, descent_);
+    auto prepared = newton_->direction(x_, force_, descent_);
     force_times_descent_ = dot(exec_, force_, descent_);
     return prepared;
   }
@@ -89,18 +127,36 @@ class Iteration {
   bool advance_newton() { return descend_along(descent_, force_times_descent_); }
 
   /// Back to quasi-Newton steps, from the point where the Newton steps ended.
-  void resume() {
+  void leave_newton() {
     newton_.reset();
     quasi_newton_.forget();
     solve();
   }
 
   double energy() const { return energy_ / problem_.energy.area; }
-  std::vector<Vec2> take_uv() { return std::move(uv_); }
+  /// Positions; the DOF map's poses are those of them.
+  Result<std::vector<Vec2>> take_uv() {
+    if (!dof_->expand(x_)) return fail(ErrorCode::InternalDefect, "poses leave their joints");
+    x_.resize(dof_->num_vertices());
+    return std::move(x_);
+  }
 
  private:
+  Out<Vec2> vertices(std::vector<Vec2>& x) const { return Out<Vec2>(x).first(dof_->num_vertices()); }
+
+  double evaluate_at(std::vector<Vec2>& x, std::vector<Vec2>& force) {
+    const double energy = local_.evaluate(vertices(x), vertices(force));
+    dof_->fold(force);
+    return energy;
+  }
+  void evaluate() { energy_ = evaluate_at(x_, force_); }
+
   void solve() {
-    problem_.global->solve(exec_, force_, descent_);
+    const Index nodes = dof_->num_nodes(), border = dof_->num_border();
+    std::vector<double> in_border(border), out_border(border);
+    for (Index k = 0; k < border; ++k) in_border[k] = force_[nodes + k].x;
+    bordered_->solve(exec_, In<Vec2>(force_).first(nodes), in_border, Out<Vec2>(descent_).first(nodes), out_border);
+    for (Index k = 0; k < border; ++k) descent_[nodes + k] = {out_border[k], 0};
     exec_.for_blocks(static_cast<Index>(descent_.size()), kBlock, [&](Index, Range r) {
       for (Index v = r.begin; v < r.end; ++v) descent_[v] = -descent_[v];
     });
@@ -114,11 +170,12 @@ class Iteration {
     if (!(slope < 0)) return false;
     double length = 1;
     for (int halving = 0; halving < kMostHalvings; ++halving, length *= 0.5) {
-      combine(exec_, {{1, uv_}, {length, direction}}, uv_before_);
-      const double trial_energy = local_.evaluate(uv_before_, force_before_);
+      combine(exec_, {{1, x_}, {length, direction}}, x_before_);
+      if (!dof_->expand(x_before_)) continue;
+      const double trial_energy = evaluate_at(x_before_, force_before_);
       const double wanted = energy_ + kSufficientDecrease * length * slope + kEnergyRounding * energy_;
       if (!(trial_energy <= wanted)) continue;
-      uv_.swap(uv_before_);
+      x_.swap(x_before_);
       force_.swap(force_before_);
       energy_ = trial_energy;
       return true;
@@ -130,10 +187,12 @@ class Iteration {
   const ArapProblem& problem_;
   LocalPhase local_;
   QuasiNewton quasi_newton_;
+  DofMap* dof_ = nullptr;
+  std::optional<BorderedPhase> bordered_;
   std::optional<NewtonDirections> newton_;
-  std::vector<Vec2> uv_, force_, descent_, direction_;  // descent_ = -H^-1 force_, H the matrix factored last
+  std::vector<Vec2> x_, force_, descent_, direction_;  // descent_ = -H^-1 force_, H the matrix factored last
   // Trial point while searching, then the point left behind.
-  std::vector<Vec2> uv_before_, force_before_, descent_before_;
+  std::vector<Vec2> x_before_, force_before_, descent_before_;
   double energy_ = 0, force_times_descent_ = 0;
 };
 
@@ -144,8 +203,13 @@ class Loop {
       : problem_(problem), options_(options), monitor_(monitor), iteration_(exec, problem) {}
 
   Result<Minimum> operator()() {
-    iteration_.start();
-    bool newton_may_help = problem_.energy.num_vertices() <= kMostNewtonVertices;
+    if (auto started = iteration_.start(); !started) return fail(started.error());
+    if (problem_.dof != problem_.first) {
+      // The same point, with directions free to turn.
+      auto used = iteration_.use(*problem_.dof).and_then([&] { return iteration_.resume(); });
+      if (!used) return fail(used.error());
+    }
+    bool newton_may_help = !problem_.constrained && problem_.energy.num_vertices() <= kMostNewtonVertices;
     while (true) {
       if (auto recorded = record(); !recorded) return fail(recorded.error());
       if (finished()) break;
@@ -153,12 +217,15 @@ class Loop {
         newton_may_help = false;
         if (auto done = newton(); !done) return fail(done.error());
         if (finished()) break;
-        iteration_.resume();
+        iteration_.leave_newton();
       }
+      if (auto fresh = iteration_.keep_fresh(); !fresh) return fail(fresh.error());
       if (!iteration_.advance()) break;
       ++steps_;
     }
-    minimum_.uv = iteration_.take_uv();
+    auto uv = iteration_.take_uv();
+    if (!uv) return fail(uv.error());
+    minimum_.uv = std::move(*uv);
     return std::move(minimum_);
   }
 
@@ -179,7 +246,7 @@ class Loop {
     for (int k = 0; k <= kMostNewtonSteps; ++k) {
       auto prepared = iteration_.prepare_newton();
       if (!prepared && prepared.error().code == ErrorCode::FactorizationFailed) {
-        iteration_.resume();  // the cheap steps go on
+        iteration_.leave_newton();  // the cheap steps go on
         minimum_.history.pop_back();
         return record();
       }

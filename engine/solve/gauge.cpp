@@ -93,17 +93,22 @@ void move_components(In<Index> component, Out<Vec2> uv, Move move) {
 
 }  // namespace
 
-void centre_and_align(In<Index> corner_vertex, In<Index> component, Index num_components,
-                      In<Index> vertex_rank, Out<Vec2> uv) {
+void centre_and_align(In<Index> corner_vertex, const PlacedComponents& components, In<Index> vertex_rank,
+                      Out<Vec2> uv) {
+  const In<Index> component = components.of;
+  const Index num_components = components.size();
   const auto first = accumulate(corner_vertex, component, num_components, uv, add_first);
   move_components(component, uv, [&](Index k, Vec2 z) {
-    return first[k].area != 0 ? z - (1 / first[k].area) * first[k].first : z;
+    return first[k].area != 0 && !components.pinned[k] ? z - (1 / first[k].area) * first[k].first : z;
   });
+  const auto may_turn = [&](Index k) { return !components.directed[k] && !components.pinned[k]; };
   const auto second = accumulate(corner_vertex, component, num_components, uv, add_second);
   auto towards = first_points(component, num_components, vertex_rank, uv);
-  std::vector<Vec2> turn(num_components);
-  for (Index k = 0; k < num_components; ++k) turn[k] = conjugate(long_axis(second[k], towards[k]));
-  move_components(component, uv, [&](Index k, Vec2 z) { return multiply(turn[k], z); });
+  std::vector<Vec2> turn(num_components, {1, 0});
+  for (Index k = 0; k < num_components; ++k) {
+    if (may_turn(k)) turn[k] = conjugate(long_axis(second[k], towards[k]));
+  }
+  move_components(component, uv, [&](Index k, Vec2 z) { return may_turn(k) ? multiply(turn[k], z) : z; });
 
   const auto third = accumulate(corner_vertex, component, num_components, uv, add_third);
   towards = first_points(component, num_components, vertex_rank, uv);
@@ -112,37 +117,49 @@ void centre_and_align(In<Index> corner_vertex, In<Index> component, Index num_co
     const Moments& m = third[k];
     const double scale = std::pow(std::abs(m.xx), 1.5) / std::sqrt(std::max(std::abs(m.area), 1e-300));
     const double decides = std::abs(m.third) > kTie * scale ? m.third : towards[k].x;
-    sign[k] = decides < 0 ? -1 : 1;
+    sign[k] = decides < 0 && may_turn(k) ? -1 : 1;
   }
   move_components(component, uv, [&](Index k, Vec2 z) { return sign[k] * z; });
 }
 
-void lay_out(In<Index> component, Index num_components, Out<Vec2> uv) {
-  struct Box {
-    Vec2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
-    double width() const { return upper.x - lower.x; }
-    double height() const { return upper.y - lower.y; }
-  };
-  std::vector<Box> box(num_components);
-  for (std::size_t v = 0; v < uv.size(); ++v) {
-    Box& b = box[component[v]];
-    b.lower = {std::min(b.lower.x, uv[v].x), std::min(b.lower.y, uv[v].y)};
-    b.upper = {std::max(b.upper.x, uv[v].x), std::max(b.upper.y, uv[v].y)};
+namespace {
+
+struct Box {
+  Vec2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
+  double width() const { return upper.x - lower.x; }
+  double height() const { return upper.y - lower.y; }
+  void add(Vec2 z) {
+    lower = {std::min(lower.x, z.x), std::min(lower.y, z.y)};
+    upper = {std::max(upper.x, z.x), std::max(upper.y, z.y)};
   }
-  std::vector<Index> order(num_components);
-  std::iota(order.begin(), order.end(), 0);
+};
+
+}  // namespace
+
+void lay_out(const PlacedComponents& components, Out<Vec2> uv) {
+  const In<Index> component = components.of;
+  std::vector<Box> box(components.size());
+  Box pinned;
+  for (std::size_t v = 0; v < uv.size(); ++v) {
+    box[component[v]].add(uv[v]);
+    if (components.pinned[component[v]]) pinned.add(uv[v]);
+  }
+  std::vector<Index> order;
+  for (Index k = 0; k < components.size(); ++k) {
+    if (!components.pinned[k]) order.push_back(k);
+  }
   std::stable_sort(order.begin(), order.end(),
                    [&](Index a, Index b) { return box[a].height() > box[b].height(); });
 
   double widest = 0, tallest = 0, total = 0;
-  for (const Box& b : box) {
-    widest = std::max(widest, b.width());
-    tallest = std::max(tallest, b.height());
-    total += b.width() * b.height();
+  for (const Index k : order) {
+    widest = std::max(widest, box[k].width());
+    tallest = std::max(tallest, box[k].height());
+    total += box[k].width() * box[k].height();
   }
   const double gap = 0.02 * std::max(widest, tallest);
   const double row_width = std::max(widest, 1.3 * std::sqrt(total));
-  std::vector<Vec2> shift(num_components);
+  std::vector<Vec2> shift(components.size());
   double x = 0, y = 0, row_height = 0, right = 0;
   for (const Index k : order) {
     if (x > 0 && x + box[k].width() > row_width) {
@@ -155,8 +172,11 @@ void lay_out(In<Index> component, Index num_components, Out<Vec2> uv) {
     x += box[k].width() + gap;
     right = std::max(right, x - gap);
   }
-  const Vec2 middle{0.5 * right, 0.5 * (y - row_height)};
-  move_components(component, uv, [&](Index k, Vec2 z) { return z + shift[k] - middle; });
+  const bool any_pinned = order.size() < box.size();
+  const Vec2 corner = any_pinned ? Vec2{-(pinned.upper.x + gap), -pinned.upper.y}
+                                 : Vec2{0.5 * right, 0.5 * (y - row_height)};
+  move_components(component, uv,
+                  [&](Index k, Vec2 z) { return components.pinned[k] ? z : z + shift[k] - corner; });
 }
 
 }  // namespace planish

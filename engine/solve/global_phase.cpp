@@ -116,6 +116,18 @@ Result<std::vector<Index>> fill_reducing_order(const SymmetricMatrix& matrix) {
   return order;
 }
 
+Result<Offset> factor_nonzeros(const SymmetricMatrix& matrix, In<Index> order) {
+  Common cholmod;
+  std::vector<Index> whole(order.begin(), order.end());
+  for (auto row = static_cast<Index>(order.size()); row < matrix.size(); ++row) whole.push_back(row);
+  cholmod_sparse sparse = view(matrix);
+  cholmod_factor* factor = cholmod_analyze_p(&sparse, whole.data(), nullptr, 0, &cholmod.common);
+  if (!factor) return out_of_memory("analysis");
+  const auto nonzeros = static_cast<Offset>(factor->xsize);
+  cholmod_free_factor(&factor, &cholmod.common);
+  return nonzeros;
+}
+
 struct GlobalPhase::Factor {
   Common cholmod;
   cholmod_factor* factor = nullptr;
@@ -172,6 +184,41 @@ Result<void> GlobalPhase::refactor(const SymmetricMatrix& matrix) {
 
 void GlobalPhase::solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const {
   if (!rhs.empty()) factor_->tree.solve(exec, factor_->view(), rhs, x);
+}
+
+void GlobalPhase::forward(const Exec& exec, In<Vec2> rhs, Out<Vec2> half) const {
+  const SupernodalFactor f = factor_->view();
+  exec.for_blocks(static_cast<Index>(half.size()), kBlock, [&](Index, Range r) {
+    for (Index k = r.begin; k < r.end; ++k) half[k] = rhs[f.permutation[k]];
+  });
+  factor_->tree.forward(exec, f, half);
+}
+
+void GlobalPhase::backward(const Exec& exec, Out<Vec2> half, Out<Vec2> x) const {
+  const SupernodalFactor f = factor_->view();
+  factor_->tree.backward(exec, f, half);
+  exec.for_blocks(static_cast<Index>(half.size()), kBlock, [&](Index, Range r) {
+    for (Index k = r.begin; k < r.end; ++k) x[f.permutation[k]] = half[k];
+  });
+}
+
+std::vector<SparseColumn> GlobalPhase::forward(const Exec& exec, const std::vector<SparseColumn>& rhs) const {
+  constexpr Index kMostTasks = 16;  // each has a workspace of the size of the whole
+  const SupernodalFactor f = factor_->view();
+  std::vector<Index> place(f.permutation.size());
+  for (std::size_t k = 0; k < place.size(); ++k) place[f.permutation[k]] = static_cast<Index>(k);
+  std::vector<SparseColumn> result(rhs.size());
+  const auto num_columns = static_cast<Index>(rhs.size());
+  const Index columns_a_task = (num_columns + kMostTasks - 1) / kMostTasks;
+  exec.for_blocks(num_columns, std::max(1, columns_a_task), [&](Index, Range r) {
+    std::vector<Vec2> workspace(place.size());
+    for (Index k = r.begin; k < r.end; ++k) {
+      SparseColumn permuted = rhs[k];
+      for (Index& row : permuted.row) row = place[row];
+      result[k] = factor_->tree.forward(f, permuted, workspace);
+    }
+  });
+  return result;
 }
 
 Offset GlobalPhase::factor_nonzeros() const { return static_cast<Offset>(factor_->factor->xsize); }

@@ -6,6 +6,7 @@
 
 #include "engine/exec/parallel.hpp"
 #include "engine/model/error.hpp"
+#include "engine/solve/supernode_tree.hpp"
 #include "engine/solve/symmetric_matrix.hpp"
 
 namespace planish {
@@ -13,6 +14,10 @@ namespace planish {
 /// Fill-reducing elimination order (nested dissection by METIS); order[k] is the row eliminated k-th.
 /// Fails: OutOfMemory.   Cost: serial, some 3 microseconds a row of a mesh Laplacian.
 Result<std::vector<Index>> fill_reducing_order(const SymmetricMatrix& matrix);
+
+/// Entries that the factor of a matrix of this pattern has, elimination order given (rows beyond it come last). Analysis
+/// only.   Fails: OutOfMemory.
+Result<Offset> factor_nonzeros(const SymmetricMatrix& matrix, In<Index> order);
 
 /// Cholesky factor of a symmetric positive definite matrix (CHOLMOD supernodal; BLAS on one thread, so that
 /// the same matrix gives the same bits), with a solve for two interleaved right-hand sides, parallel over the
@@ -35,7 +40,14 @@ class GlobalPhase {
   /// twice.
   void solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const;
 
-  /// Entries of the factor, and bytes they take.
+  /// The two halves of a solve, for systems that this one is a part of: half = L^-1 P rhs, x = P^T L^-T half.
+  void forward(const Exec& exec, In<Vec2> rhs, Out<Vec2> half) const;
+  void backward(const Exec& exec, Out<Vec2> half, Out<Vec2> x) const;
+  /// The first half for sparse right-hand sides; rows of rhs are those of the matrix, of the results those of half.
+  /// Cost: reads the panels between the entries and the roots, per column.
+  std::vector<SparseColumn> forward(const Exec& exec, const std::vector<SparseColumn>& rhs) const;
+
+  /// Entries of the factor.
   Offset factor_nonzeros() const;
 
  private:

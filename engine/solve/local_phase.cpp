@@ -24,9 +24,9 @@ double LocalPhase::evaluate(In<Vec2> uv, Out<Vec2> force) {
   return energy;
 }
 
-void LocalPhase::evaluate_rotations(In<Vec2> rotation, Out<Vec2> force) {
+void LocalPhase::evaluate_rotations(In<Vec2> uv, In<Vec2> rotation, Out<Vec2> force) {
   exec_.for_blocks(energy_.num_triangles(), kBlock, [&](Index, Range r) {
-    rotation_forces(r, rotation, energy_.cotangent, energy_.frame, corner_force_);
+    rotation_forces(r, uv, rotation, energy_.corner_vertex, energy_.cotangent, energy_.frame, corner_force_);
   });
   gather(force);
 }

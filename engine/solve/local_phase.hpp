@@ -30,8 +30,8 @@ class LocalPhase {
   /// Energy (not divided by the area) at uv [V]; force [V] out: half its gradient, 0 at fixed vertices.
   double evaluate(In<Vec2> uv, Out<Vec2> force);
 
-  /// Forces at uv = 0 for given rotations [T]: minus the right-hand side of the first global solve.
-  void evaluate_rotations(In<Vec2> rotation, Out<Vec2> force);
+  /// Forces at uv [V] against given rotations [T].
+  void evaluate_rotations(In<Vec2> uv, In<Vec2> rotation, Out<Vec2> force);
 
  private:
   void gather(Out<Vec2> force) const;

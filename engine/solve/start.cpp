@@ -2,39 +2,13 @@
 
 #include <algorithm>
 
+#include "engine/solve/dual_weights.hpp"
 #include "engine/solve/global_phase.hpp"
 #include "engine/solve/laplacian.hpp"
 #include "kernels/local/proxy.hpp"
 
 namespace planish {
 namespace {
-
-constexpr double kLargestResidual = 1e-9;
-constexpr double kLeastWeightShare = 1e-3;  // of the mean, so that obtuse pairs do not turn weights negative
-
-/// Cotangent weights of edges, floored at a share of their mean.
-class FlooredWeights {
- public:
-  FlooredWeights(const Exec& exec, const StartInput& input) : input_(input) {
-    const auto num_corners = static_cast<Index>(input.corner_vertex.size());
-    const double total = exec.sum_blocks(num_corners, kBlock, [&](Range r) {
-      double sum = 0;
-      for (Index c = r.begin; c < r.end; ++c) sum += 0.5 * input.cotangent[c];
-      return sum;
-    });
-    least_ = kLeastWeightShare * std::abs(total) / std::max<double>(1, input.topology->num_edges);
-  }
-  double operator()(Index c) const { return std::max(plain(c), least_); }
-
- private:
-  double plain(Index c) const {
-    const Index twin = input_.topology->corner_twin[c];
-    return 0.5 * (input_.cotangent[previous_corner(c)] +
-                  (twin == kNone ? 0 : input_.cotangent[previous_corner(twin)]));
-  }
-  const StartInput& input_;
-  double least_ = 0;
-};
 
 /// The vertices' order, then the nodes of holes: dense rows are eliminated last.
 std::vector<Index> order_with_holes(In<Index> order, Index num_nodes) {
@@ -56,7 +30,7 @@ Result<std::vector<double>> solve_rotation_rows(const Exec& exec, const StartInp
   std::vector<double> potential(rows.num_nodes);
   for (Index j = 0; j < rows.num_nodes; ++j) potential[j] = x[j].x;
   residual = largest_residual(laplacian, potential, rows.target);
-  if (!(residual <= kLargestResidual)) {
+  if (!(residual <= kLargestRotationResidual)) {
     return fail(ErrorCode::ResidualTooLarge,
                 "rotations miss their rows by " + std::to_string(residual) + " radians, 1e-9 is allowed");
   }
@@ -117,14 +91,21 @@ std::vector<Vec2> closest_rotations(const Exec& exec, const StartInput& input, I
 
 }  // namespace
 
+Result<std::vector<Vec2>> harmonic_rotations(const Exec& exec, const StartInput& input, In<Index> outer_loop) {
+  const FlooredWeights floored(exec, input);
+  auto uv = harmonic_map(exec, input, outer_loop, std::cref(floored));
+  if (!uv) return fail(uv.error());
+  return closest_rotations(exec, input, *uv);
+}
+
 Result<Start> first_rotations(const Exec& exec, const StartInput& input, Init init) {
-  RotationRows rows = rotation_rows(*input.topology, input.corner_vertex, input.angle_sum);
+  RotationRows rows = rotation_rows(*input.topology, input.corner_vertex, input.angle_sum, input.outer_loop);
   Start start;
   const FlooredWeights floored(exec, input);
   if (init == Init::Harmonic) {
-    auto uv = harmonic_map(exec, input, rows.outer_loop, std::cref(floored));
-    if (!uv) return fail(uv.error());
-    start.rotation = closest_rotations(exec, input, *uv);
+    auto rotation = harmonic_rotations(exec, input, rows.outer_loop);
+    if (!rotation) return fail(rotation.error());
+    start.rotation = std::move(*rotation);
   } else {
     const EdgeWeight weight =
         init == Init::Cotangent ? EdgeWeight(std::cref(floored)) : EdgeWeight([](Index) { return 1.0; });

@@ -19,6 +19,7 @@ struct StartInput {
   In<double> cotangent;
   In<double> angle_sum;  ///< [V]
   In<Index> order;       ///< fill-reducing order of the vertices
+  In<Index> outer_loop;  ///< per component; empty: the longest of its loops
 };
 
 struct Start {
@@ -26,6 +27,9 @@ struct Start {
   std::vector<Index> outer_loop;  ///< per component
   double holonomy_residual = 0;  ///< largest residual of the rotation rows, radians; 0 where none were solved
 };
+
+/// Closest rotations of the harmonic map that takes the outer loops to circles.
+Result<std::vector<Vec2>> harmonic_rotations(const Exec& exec, const StartInput& input, In<Index> outer_loop);
 
 /// Fails: FactorizationFailed, OutOfMemory; ResidualTooLarge where a row is missed by more than 1e-9.
 Result<Start> first_rotations(const Exec& exec, const StartInput& input, Init init);

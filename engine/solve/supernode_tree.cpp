@@ -76,7 +76,8 @@ std::vector<Index> supernode_parents(const SupernodalFactor& f) {
 
 SupernodeTree::SupernodeTree(const SupernodalFactor& f) {
   const Index n = f.num_supernodes();
-  const std::vector<Index> parent = supernode_parents(f);
+  parent_ = supernode_parents(f);
+  const std::vector<Index>& parent = parent_;
   std::vector<double> work(n, 0);
   std::vector<Index> first(n);  // first supernode of the subtree: postordered, so the subtree is [first, s]
   double total = 0;
@@ -146,6 +147,40 @@ void SupernodeTree::backward(const Exec& exec, const SupernodalFactor& f, Out<Ve
     PanelRows own_rows(most_rows_);
     for (Index s = subtree_[task].end; s-- > subtree_[task].begin;) backward_one(f, s, own_rows, y);
   });
+}
+
+/// The supernodes that hold the rows, and all above them, ascending.
+std::vector<Index> SupernodeTree::reach(const SupernodalFactor& f, In<Index> row) const {
+  std::vector<Index> reached;
+  for (const Index r : row) {
+    const auto holder = std::upper_bound(f.super.begin(), f.super.end(), r) - f.super.begin() - 1;
+    reached.push_back(static_cast<Index>(holder));
+  }
+  std::sort(reached.begin(), reached.end());
+  reached.erase(std::unique(reached.begin(), reached.end()), reached.end());
+  std::vector<Index> all = reached;
+  for (const Index first : reached) {
+    for (Index s = parent_[first]; s != kNone; s = parent_[s]) all.push_back(s);
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+SparseColumn SupernodeTree::forward(const SupernodalFactor& f, const SparseColumn& rhs, Out<Vec2> y) const {
+  for (std::size_t i = 0; i < rhs.row.size(); ++i) y[rhs.row[i]] = rhs.value[i];
+  const std::vector<Index> reached = reach(f, rhs.row);
+  PanelRows rows(most_rows_);
+  SparseColumn result;
+  for (const Index s : reached) {
+    forward_one(f, s, rows, y, [&](Index row, Vec2 update) { y[row] += update; });
+    for (Index j = f.super[s]; j < f.super[s + 1]; ++j) {
+      result.row.push_back(j);
+      result.value.push_back(y[j]);
+      y[j] = {};
+    }
+  }
+  return result;
 }
 
 void SupernodeTree::solve(const Exec& exec, const SupernodalFactor& f, In<Vec2> rhs, Out<Vec2> x) const {

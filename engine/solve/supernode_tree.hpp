@@ -19,6 +19,12 @@ struct SupernodalFactor {
   Index num_supernodes() const { return static_cast<Index>(super.size()) - 1; }
 };
 
+/// Entries of a sparse vector of complex numbers; rows ascending once it was solved with.
+struct SparseColumn {
+  std::vector<Index> row;
+  std::vector<Vec2> value;
+};
+
 /// How the solve is split: subtrees of bounded work, each a task, and the supernodes above them, done in
 /// order. The split depends on the factor alone, so the bits do not depend on the number of threads.
 class SupernodeTree {
@@ -29,14 +35,23 @@ class SupernodeTree {
   /// x = A^-1 rhs, two interleaved right-hand sides; rhs and x [n] may be the same array.
   void solve(const Exec& exec, const SupernodalFactor& factor, In<Vec2> rhs, Out<Vec2> x) const;
 
- private:
+  /// y <- L^-1 y and y <- L^-T y, in the factor's order.
   void forward(const Exec& exec, const SupernodalFactor& factor, Out<Vec2> y) const;
   void backward(const Exec& exec, const SupernodalFactor& factor, Out<Vec2> y) const;
+
+  /// L^-1 of a sparse vector, rows in the factor's order and distinct.
+  ///   workspace [n]: zeros, and zeros again afterwards
+  /// Cost: reads the panels on the way from the entries to the roots.
+  SparseColumn forward(const SupernodalFactor& factor, const SparseColumn& rhs, Out<Vec2> workspace) const;
+
+ private:
+  std::vector<Index> reach(const SupernodalFactor& factor, In<Index> row) const;
 
   std::vector<Range> subtree_;     ///< contiguous supernodes of each task
   std::vector<Index> top_;         ///< supernodes above the tasks, ascending
   std::vector<Index> top_place_;   ///< [n] place of a column among the top columns, or kNone
   std::vector<Index> top_column_;  ///< columns of the top supernodes
+  std::vector<Index> parent_;      ///< of each supernode, kNone at roots
   Index most_rows_ = 0;            ///< of any panel: length of a task's scratch
 };
 

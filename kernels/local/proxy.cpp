@@ -123,9 +123,12 @@ PLANISH_CLONES double local_phase(Range r, In<Vec2> uv, In<Index> corner_vertex,
   return energy;
 }
 
-void rotation_forces(Range r, In<Vec2> rotation, In<double> cotangent, In<RestFrame> frame, Out<Vec2> force) {
+void rotation_forces(Range r, In<Vec2> uv, In<Vec2> rotation, In<Index> corner_vertex, In<double> cotangent,
+                     In<RestFrame> frame, Out<Vec2> force) {
   for (Index t = r.begin; t < r.end; ++t) {
-    const ProxyForces f = proxy_forces({}, &cotangent[3 * t], frame[t], rotation[t]);
+    const std::array<Vec2, 3> z = {uv[corner_vertex[3 * t]], uv[corner_vertex[3 * t + 1]],
+                                   uv[corner_vertex[3 * t + 2]]};
+    const ProxyForces f = proxy_forces(z, &cotangent[3 * t], frame[t], rotation[t]);
     for (int i = 0; i < 3; ++i) force[3 * t + i] = f.force[i];
   }
 }

@@ -56,8 +56,9 @@ std::array<std::array<Mat2, 3>, 3> proxy_hessian(const std::array<Vec2, 3>& z, c
 double local_phase(Range r, In<Vec2> uv, In<Index> corner_vertex, In<double> cotangent, In<RestFrame> frame,
                    Out<Vec2> force);
 
-/// The same for given rotations [T] at uv = 0: force is minus the right-hand side of the first global solve.
-void rotation_forces(Range r, In<Vec2> rotation, In<double> cotangent, In<RestFrame> frame, Out<Vec2> force);
+/// The same against given rotations [T].
+void rotation_forces(Range r, In<Vec2> uv, In<Vec2> rotation, In<Index> corner_vertex, In<double> cotangent,
+                     In<RestFrame> frame, Out<Vec2> force);
 
 /// Sum of the corner forces at each vertex of r.   force [3 T];  vertex_force [V] out.
 void gather_forces(Range r, In<Index> star_begin, In<Index> star_corner, In<Vec2> force,

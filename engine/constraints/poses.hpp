@@ -1,0 +1,200 @@
+// Where bodies lie in the plane: poses, the equations between them, and the coordinates that these leave free.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "engine/constraints/agreement.hpp"
+
+namespace planish {
+
+/// Which bodies share one orientation (DESIGN 2, cluster): direction of body b = angle of its cluster + offset[b].
+struct Clusters {
+  std::vector<Index> of;               ///< per body
+  std::vector<double> offset;          ///< per body, radians
+  std::vector<std::uint8_t> directed;  ///< per cluster: 1 where its angle is 0 against the u axis
+  Index size() const { return static_cast<Index>(directed.size()); }
+};
+
+/// Every body a cluster of its own.
+Clusters separate_clusters(std::size_t num_bodies);
+
+/// Bodies that hang together over joints move as one assembly: its translation is a node of the mesh's Laplacian.
+struct Assemblies {
+  std::vector<Index> of;             ///< per body
+  std::vector<std::uint8_t> pinned;  ///< per assembly: 1 where pins hold it
+  Index size() const { return static_cast<Index>(pinned.size()); }
+};
+Assemblies find_assemblies(const Compiled& compiled, const Agreement& agreement);
+
+/// The pose parameters ("slots") that a body's points depend on.
+struct PoseSlots {
+  Index p = kNone;           ///< two: translation against the assembly's; kNone: zero
+  Index c = kNone;           ///< two: a free complex c; kNone: c = scale e^(i angle), each a slot or given
+  Index scale_slot = kNone;
+  double scale = 1;
+  Index angle_slot = kNone;  ///< its value + offset
+  double offset = 0;
+  std::vector<Index> tau;    ///< of a line with free lengths: the place of each vertex along it, kNone of the first
+};
+
+class PoseGroup;
+
+/// Poses of all bodies of a compiled set. The set and the agreement must outlive it.
+class Poses {
+ public:
+  /// A gap between joints that no poses close.
+  struct Gap {
+    std::vector<Index> constraints;
+    double size = 0;  ///< units of the mesh here
+  };
+
+  /// angle: per body, the start of its direction in its assembly, radians.
+  Poses(const Compiled& compiled, const Agreement& agreement, const Assemblies& assemblies, const Clusters& clusters,
+        In<double> angle);
+  ~Poses();
+  Poses(const Poses&) = delete;
+  Poses& operator=(const Poses&) = delete;
+
+  /// Meets the joints by Newton steps of least change from the present poses on. A gap where they cannot be met.
+  /// Cost: cubic in the slots that joints tie together.
+  std::optional<Gap> close();
+
+  /// Takes over the poses of the same bodies, laid out in other slots.
+  void adopt(const Poses& other);
+  /// Clusters that keep every body's direction as it is now.
+  Clusters frozen() const;
+
+  Vec2 translation(Index body) const;  ///< against its assembly
+  Vec2 factor(Index body) const;       ///< c of z = p + c t
+  double angle(Index body) const { return argument(factor(body)); }
+  /// A vertex of a body, against its assembly.
+  Vec2 point(Index body, Index place) const;
+  /// The body of least |c|.
+  Index smallest() const;
+
+  // ---- free coordinates ----
+
+  /// Makes the present poses the origin of the free coordinates.
+  void set_base();
+  Index num_free() const { return num_free_; }
+  /// Largest turn of a body since then, radians.
+  double turned() const;
+  /// Poses at free coordinates [num_free] from the base; false, and the poses as they were, where the joints cannot be
+  /// met there.
+  bool move_to(In<double> free);
+  Index num_slots() const { return static_cast<Index>(value_.size()); }
+  /// Calls visit(slot, dz) for every slot that a vertex of a body depends on.
+  template <class Visit>
+  void visit_slots(Index body, Index place, Visit visit) const;
+  /// Gradient in the free coordinates, where the poses are now.   slot_gradient [num_slots];  gradient [num_free] out
+  void pull_back(In<double> slot_gradient, Out<double> gradient) const;
+  /// Change of a slot with the free coordinates at the base: visit(k, value).
+  template <class Visit>
+  void visit_free(Index slot, Visit visit) const;
+
+ private:
+  friend struct PoseAccess;
+  Index add_slot(double value);
+  void lay_out_slots(const Clusters& clusters, In<double> angle);
+  void place_over_joints();
+  void group_slots();
+  double length_along(Index body, Index place) const;
+
+  const Compiled* compiled_;
+  const Agreement* agreement_;
+  const Assemblies* assemblies_;
+  std::vector<PoseSlots> slots_;   // per body
+  std::vector<double> value_;      // per slot
+  std::vector<double> base_angle_;  // per body: its direction at the base
+  std::vector<double> base_;       // per slot: values at the origin of the free coordinates
+  std::vector<Index> slot_group_;  // per slot, kNone: free by itself
+  std::vector<Index> slot_place_;  // per slot: its free coordinate, or its place in the group
+  std::vector<std::unique_ptr<PoseGroup>> groups_;
+  std::vector<Index> group_begin_;  // per group: its first free coordinate
+  Index num_free_ = 0;
+};
+
+/// Slots that joints tie together, and coordinates of what the joints leave free: y = N^T (slots - base), N an
+/// orthonormal basis of the joints' null space at the base. Points of given y are found by Newton steps across N.
+class PoseGroup {
+ public:
+  PoseGroup(Poses& poses, std::vector<Index> slot, std::vector<Index> joint);
+  ~PoseGroup();
+
+  /// Largest residual of the joints after Newton steps from the present values.
+  double close();
+  void set_base();
+  Index num_free() const;
+  bool move_to(In<double> y);
+  void pull_back(In<double> slot_gradient, Out<double> gradient) const;
+  /// Change of the slot at a place with free coordinate k, at the base.
+  double at_base(Index place, Index k) const;
+  const std::vector<Index>& joints() const { return joint_; }
+  double gap() const { return gap_; }
+
+ private:
+  struct Dense;
+  Poses& poses_;
+  std::vector<Index> slot_, joint_;
+  bool linear_ = true;
+  double gap_ = 0;
+  std::unique_ptr<Dense> dense_;
+};
+
+inline Vec2 Poses::factor(Index body) const {
+  const PoseSlots& s = slots_[body];
+  if (s.c != kNone) return {value_[s.c], value_[s.c + 1]};
+  const double scale = s.scale_slot == kNone ? s.scale : value_[s.scale_slot];
+  return scale * unit((s.angle_slot == kNone ? 0 : value_[s.angle_slot]) + s.offset);
+}
+
+inline Vec2 Poses::translation(Index body) const {
+  const Index p = slots_[body].p;
+  return p == kNone ? Vec2{} : Vec2{value_[p], value_[p + 1]};
+}
+
+inline double Poses::length_along(Index body, Index place) const {
+  const PoseSlots& s = slots_[body];
+  return s.tau.empty() || s.tau[place] == kNone ? compiled_->bodies[body].shape[place].x : value_[s.tau[place]];
+}
+
+inline Vec2 Poses::point(Index body, Index place) const {
+  const Body& b = compiled_->bodies[body];
+  const Vec2 t = b.kind == Body::Kind::FreeLine ? Vec2{length_along(body, place), 0} : b.shape[place];
+  return translation(body) + multiply(factor(body), t);
+}
+
+template <class Visit>
+void Poses::visit_slots(Index body, Index place, Visit visit) const {
+  const PoseSlots& s = slots_[body];
+  const Body& b = compiled_->bodies[body];
+  const bool free_lengths = b.kind == Body::Kind::FreeLine;
+  const Vec2 t = free_lengths ? Vec2{length_along(body, place), 0} : b.shape[place];
+  const Vec2 c = factor(body);
+  if (s.p != kNone) {
+    visit(s.p, Vec2{1, 0});
+    visit(s.p + 1, Vec2{0, 1});
+  }
+  if (s.c != kNone) {
+    visit(s.c, t);
+    visit(s.c + 1, Vec2{-t.y, t.x});
+  }
+  if (s.scale_slot != kNone) visit(s.scale_slot, multiply((1 / norm(c)) * c, t));
+  if (s.angle_slot != kNone) {
+    const Vec2 ct = multiply(c, t);
+    visit(s.angle_slot, Vec2{-ct.y, ct.x});
+  }
+  if (free_lengths && s.tau[place] != kNone) visit(s.tau[place], c);
+}
+
+template <class Visit>
+void Poses::visit_free(Index slot, Visit visit) const {
+  const Index group = slot_group_[slot];
+  if (group == kNone) return visit(slot_place_[slot], 1.0);
+  for (Index k = 0; k < groups_[group]->num_free(); ++k)
+    visit(group_begin_[group] + k, groups_[group]->at_base(slot_place_[slot], k));
+}
+
+}  // namespace planish

@@ -1,0 +1,78 @@
+#include "engine/constraints/system.hpp"
+
+namespace planish {
+
+Result<std::unique_ptr<ConstraintSystem>> ConstraintSystem::make(const RestSurface& rest, const ConstraintView& view,
+                                                                 const RegionMap& map, In<Index> vertex_component) {
+  std::unique_ptr<ConstraintSystem> system(new ConstraintSystem(rest, view, vertex_component));
+  auto compiled = compile(rest, view, map);
+  if (!compiled) return fail(compiled.error());
+  system->compiled_ = std::move(*compiled);
+  if (auto settled = system->settle(); !settled) return fail(settled.error());
+  return system;
+}
+
+Result<void> ConstraintSystem::settle() {
+  auto agreed = agree(compiled_, view_, *rest_.mesh);
+  if (!agreed) return fail(agreed.error());
+  agreement_ = std::move(*agreed);
+  assemblies_ = find_assemblies(compiled_, agreement_);
+  owners_ = find_owners(compiled_, agreement_);
+  nodes_ = find_nodes(compiled_, owners_, assemblies_, vertex_component_, rest_.topology->num_components);
+  return {};
+}
+
+Result<void> ConstraintSystem::orient(const Exec& exec, const StartInput& input, Init init) {
+  auto oriented = planish::orient(exec, rest_, view_, compiled_, input, init);
+  if (!oriented) return fail(oriented.error());
+  orientation_ = std::move(*oriented);
+  return {};
+}
+
+void ConstraintSystem::turn(In<double> by_component) {
+  for (std::size_t t = 0; t < orientation_.theta.size(); ++t) {
+    const Index component = rest_.topology->triangle_component[t];
+    if (!orientation_.directed[component]) orientation_.theta[t] += by_component[component];
+  }
+  for (std::size_t b = 0; b < compiled_.bodies.size(); ++b) {
+    const Index component = vertex_component_[compiled_.bodies[b].vertex.front()];
+    if (!orientation_.directed[component]) orientation_.angle[b] += by_component[component];
+  }
+}
+
+Result<std::unique_ptr<ConstraintSystem>> ConstraintSystem::without_pins() const {
+  std::unique_ptr<ConstraintSystem> system(new ConstraintSystem(rest_, view_, vertex_component_));
+  system->compiled_ = compiled_;
+  system->compiled_.pins.clear();
+  if (auto settled = system->settle(); !settled) return fail(settled.error());
+  system->orientation_ = orientation_;
+  return system;
+}
+
+Result<std::unique_ptr<DofMap>> ConstraintSystem::dof_map(bool frozen) const {
+  auto poses = closed_poses(compiled_, view_, *rest_.mesh, agreement_, assemblies_, orientation_.clusters,
+                            orientation_.angle);
+  if (!poses) return fail(poses.error());
+  if (frozen) {
+    auto still = std::make_unique<Poses>(compiled_, agreement_, assemblies_, (*poses)->frozen(), orientation_.angle);
+    still->adopt(**poses);
+    *poses = std::move(still);
+  }
+  return std::make_unique<DofMap>(nodes_, owners_, assemblies_, std::move(*poses));
+}
+
+Result<void> ConstraintSystem::mirror(Index body) {
+  for (Vec2& t : compiled_.bodies[body].shape) t = conjugate(t);
+  compiled_.bodies[body].mirrored = !compiled_.bodies[body].mirrored;
+  return settle();
+}
+
+Result<void> ConstraintSystem::check_scales(const Poses& poses) const {
+  constexpr double kLeastScale = 1e-3;
+  const Index least = poses.smallest();
+  if (least == kNone || norm(poses.factor(least)) >= kLeastScale) return {};
+  return fail(constraint_error(ErrorCode::ConstraintsConflict, *view_.set, compiled_.bodies[least].constraint,
+                               "the best map shrinks its free scale below 0.001; give it a scale"));
+}
+
+}  // namespace planish

@@ -1,0 +1,70 @@
+// All that a constraint set means for one surface: bodies, joints, orientations, DOF maps, and what came of them.
+#pragma once
+
+#include "engine/constraints/dof_map.hpp"
+#include "engine/constraints/orientation.hpp"
+#include "engine/model/flattening.hpp"
+
+namespace planish {
+
+class ConstraintSystem {
+ public:
+  /// Compiles the set, settles who yields to whom, and numbers the unknowns.
+  /// vertex_component [V].  All arguments but map must outlive the system.
+  /// Fails: ConstraintInvalid, ConstraintsConflict; OutOfMemory.
+  static Result<std::unique_ptr<ConstraintSystem>> make(const RestSurface& rest, const ConstraintView& view,
+                                                        const RegionMap& map, In<Index> vertex_component);
+
+  const NodeMap& nodes() const { return nodes_; }
+
+  /// First rotations and directions. Fails: as orient().
+  Result<void> orient(const Exec& exec, const StartInput& input, Init init);
+  In<double> theta() const { return orientation_.theta; }
+  double holonomy_residual() const { return orientation_.residual; }
+  /// Turns the first rotations and directions of components; those whose direction is given stay.
+  void turn(In<double> by_component);
+  /// Components whose direction is given.
+  In<std::uint8_t> directed() const { return orientation_.directed; }
+  bool has_pins() const { return !compiled_.pins.empty(); }
+  /// The same without pins, oriented alike: where the map would lie by itself.
+  Result<std::unique_ptr<ConstraintSystem>> without_pins() const;
+  const std::vector<Pin>& pins() const { return compiled_.pins; }
+
+  /// DOF maps from the start; frozen: directions stay as the first rotations have them.
+  /// Fails: ConstraintsConflict where joints do not close.
+  Result<std::unique_ptr<DofMap>> dof_map(bool frozen) const;
+
+  /// Of each constraint, residuals measured on coordinates.
+  ///   uv [V] of the ordered mesh, mesh units, placed as they will be written;  poses: those of the solution
+  std::vector<ConstraintOutcome> outcomes(In<Vec2> uv, const Poses& poses) const;
+  /// Fails: ConstraintsConflict where a free scale fell below 1e-3.
+  Result<void> check_scales(const Poses& poses) const;
+
+  const Compiled& compiled() const { return compiled_; }
+  const Assemblies& assemblies() const { return assemblies_; }
+  const Orientation& orientation() const { return orientation_; }
+  /// Lays an open template the other way round; directions are to be found anew.
+  Result<void> mirror(Index body);
+
+ private:
+  ConstraintSystem(const RestSurface& rest, const ConstraintView& view, In<Index> vertex_component)
+      : rest_(rest), view_(view), vertex_component_(vertex_component) {}
+  Result<void> settle();
+  ConstraintOutcome outcome_of_body(const Body& body, Index number, In<Vec2> uv, const Poses& poses) const;
+  ConstraintOutcome outcome_of_relation(std::size_t number, In<Vec2> uv) const;
+  ConstraintOutcome outcome_of_pins(Index constraint, In<Vec2> uv) const;
+  ConstraintOutcome begin_outcome(Index constraint) const;
+  Vec2 measured_vector(Index body, In<Vec2> uv) const;
+
+  RestSurface rest_;
+  ConstraintView view_;
+  In<Index> vertex_component_;
+  Compiled compiled_;
+  Agreement agreement_;
+  Assemblies assemblies_;
+  std::vector<Owner> owners_;
+  NodeMap nodes_;
+  Orientation orientation_;
+};
+
+}  // namespace planish

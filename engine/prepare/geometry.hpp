@@ -1,0 +1,30 @@
+// Rest geometry of an ordered mesh, measured once.
+#pragma once
+
+#include <vector>
+
+#include "engine/prepare/prepare.hpp"
+#include "kernels/intrinsic/lengths.hpp"
+
+namespace planish {
+
+/// In the units of the ordered mesh.
+struct Geometry {
+  std::vector<RestFrame> frame;         ///< [T]
+  std::vector<double> cotangent;        ///< [3 T]
+  std::vector<double> angle_sum;        ///< [V] radians
+  std::vector<std::uint8_t> mollified;  ///< [T] 1 where weights were floored
+  double area = 0;
+
+  /// Cotangent weight of the edge of half-edge c.
+  double edge_weight(const Topology& topology, Index c) const {
+    const Index twin = topology.corner_twin[c];
+    return 0.5 * (cotangent[previous_corner(c)] + (twin == kNone ? 0 : cotangent[previous_corner(twin)]));
+  }
+};
+Geometry measure_geometry(const Exec& exec, const PreparedMesh& prepared);
+
+/// Component of each vertex [V].
+std::vector<Index> vertex_components(const Topology& topology, Index num_vertices);
+
+}  // namespace planish
