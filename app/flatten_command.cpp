@@ -153,7 +153,8 @@ class FlattenCommand {
     PictureOptions options;
     options.title = file_name(args_.mesh);
     options.features = placed;
-    return write_picture(exec_, args_.picture, flat_surface(), flattening_.uv, flattening_.certificate, options);
+    return write_picture(exec_, args_.picture, flat_surface(), flattening_.uv, flattening_.certificate,
+                         options);
   }
 
   /// The features that constraints speak of, as the flat picture shows them.
@@ -227,7 +228,8 @@ class FlattenCommand {
     }
     if (!worst) return;
     fmt::print("{} constraints met, the worst is \"{}\" with residual {:.2e}{}\n",
-               flattening_.constraints.outcome.size(), worst->name, worst->residual, worst->degrees ? " degrees" : "");
+               flattening_.constraints.outcome.size(), worst->name, worst->residual,
+               worst->degrees ? " degrees" : "");
   }
 
   /// Lines whose vertices do not follow one another any more.
@@ -236,7 +238,8 @@ class FlattenCommand {
     for (const ConstraintOutcome& c : flattening_.constraints.outcome) {
       if (c.keeps_order) continue;
       any = true;
-      fmt::print(stderr, "planish: {}: the vertices of \"{}\" lost their order along the line\n", args_.mesh, c.name);
+      fmt::print(stderr, "planish: {}: the vertices of \"{}\" lost their order along the line\n", args_.mesh,
+                 c.name);
     }
     return any;
   }

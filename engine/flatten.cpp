@@ -23,8 +23,13 @@ namespace {
 /// One run of flatten: its steps in order, their times, and the wish to stop between them.
 class Run {
  public:
-  Run(const Surface& surface, const Constraints& constraints, const FlattenOptions& options, const Monitor& monitor)
-      : surface_(surface), constraints_(constraints), options_(options), monitor_(monitor), exec_(options.threads) {}
+  Run(const Surface& surface, const Constraints& constraints, const FlattenOptions& options,
+      const Monitor& monitor)
+      : surface_(surface),
+        constraints_(constraints),
+        options_(options),
+        monitor_(monitor),
+        exec_(options.threads) {}
 
   Result<Flattening> operator()() {
     return check()
@@ -109,8 +114,8 @@ class Run {
       }
       rest_ = {&mesh(), &topology(), geometry_.frame, outer_loop_, loop_of_};
       view_ = {constraints_.set, features_, constraints_.vertex_origin};
-      auto system = ConstraintSystem::make(rest_, view_, [&](const Surface& region) { return map_region(region); },
-                                           component_);
+      auto system = ConstraintSystem::make(
+          rest_, view_, [&](const Surface& region) { return map_region(region); }, component_);
       if (!system) return fail(system.error());
       system_ = std::move(*system);
       nodes_ = system_->nodes();
@@ -135,14 +140,16 @@ class Run {
     const std::string& name = constraints_.set->outer;
     Index chosen = kNone;
     if (!name.empty()) {
-      const auto feature = std::find_if(features_.begin(), features_.end(),
-                                        [&](const Feature& f) { return f.name == name; });
-      const bool on_boundary = feature != features_.end() && !feature->is_region() && feature->closed &&
-                               std::all_of(feature->vertex.begin(), feature->vertex.end(), [&](Index v) {
-                                 return loop_of_[v] != kNone && loop_of_[v] == loop_of_[feature->vertex.front()];
-                               });
+      const auto feature =
+          std::find_if(features_.begin(), features_.end(), [&](const Feature& f) { return f.name == name; });
+      const bool on_boundary =
+          feature != features_.end() && !feature->is_region() && feature->closed &&
+          std::all_of(feature->vertex.begin(), feature->vertex.end(), [&](Index v) {
+            return loop_of_[v] != kNone && loop_of_[v] == loop_of_[feature->vertex.front()];
+          });
       if (!on_boundary) {
-        Error error{.code = ErrorCode::ConstraintInvalid, .what = "outer: \"" + name + "\" is no boundary loop"};
+        Error error{.code = ErrorCode::ConstraintInvalid,
+                    .what = "outer: \"" + name + "\" is no boundary loop"};
         error.place.pointer = "/outer";
         return fail(error);
       }
@@ -177,7 +184,8 @@ class Run {
   /// Of all vertices, whatever constraints merge: the rotation problem needs an order of them all.
   SymmetricMatrix whole_laplacian() const {
     const std::vector<std::uint8_t> none(mesh().num_vertices(), 0);
-    return vertex_laplacian(exec_, mesh().corner_vertex, topology(), none, [&](Index c) { return edge_weight(c); });
+    return vertex_laplacian(exec_, mesh().corner_vertex, topology(), none,
+                            [&](Index c) { return edge_weight(c); });
   }
 
   SymmetricMatrix laplacian_over(const NodeMap& nodes) const {
@@ -216,7 +224,9 @@ class Run {
         first_dof_ = std::make_unique<DofMap>(nodes_);
         return {};
       }
-      return choose_chirality().and_then([&] { return turn_onto_pins(); }).and_then([&] { return map_constraints(); });
+      return choose_chirality().and_then([&] { return turn_onto_pins(); }).and_then([&] {
+        return map_constraints();
+      });
     });
   }
 
@@ -337,8 +347,8 @@ class Run {
 
   Result<void> minimise() {
     return timed(Phase::LocalGlobal, [&]() -> Result<void> {
-      auto minimum = minimise_arap(
-          exec_, problem(*global_, nodes_, *first_dof_, dof_ ? *dof_ : *first_dof_), options_, monitor_);
+      auto minimum = minimise_arap(exec_, problem(*global_, nodes_, *first_dof_, dof_ ? *dof_ : *first_dof_),
+                                   options_, monitor_);
       if (!minimum) return fail(minimum.error());
       global_.reset();
       uv_ = std::move(minimum->uv);
@@ -472,16 +482,16 @@ Result<Flattening> flatten(const Surface& surface, const FlattenOptions& options
   return flatten(surface, Constraints{}, options, monitor);
 }
 
-Result<Flattening> flatten(const Surface& surface, const Constraints& constraints, const FlattenOptions& options,
-                           const Monitor& monitor) {
+Result<Flattening> flatten(const Surface& surface, const Constraints& constraints,
+                           const FlattenOptions& options, const Monitor& monitor) {
   if (auto checked = check_options(options); !checked) return fail(checked.error());
   if (options.normalize && constraints.set != nullptr && !constraints.set->constraints.empty())
     return fail(ErrorCode::BadUsage, "normalize would change the sizes that constraints prescribe");
   return with_memory(surface, [&] { return Run(surface, constraints, options, monitor)(); });
 }
 
-Result<ConstraintPlan> plan(const Surface& surface, const Constraints& constraints, const FlattenOptions& options,
-                            const Monitor& monitor) {
+Result<ConstraintPlan> plan(const Surface& surface, const Constraints& constraints,
+                            const FlattenOptions& options, const Monitor& monitor) {
   if (auto checked = check_options(options); !checked) return fail(checked.error());
   return with_memory(surface, [&] { return Run(surface, constraints, options, monitor).plan(); });
 }

@@ -24,7 +24,8 @@ Result<Flattening> flatten(const Surface& surface, const FlattenOptions& options
 struct Constraints {
   const ConstraintSet* set = nullptr;
   const std::vector<Feature>* features = nullptr;
-  In<Index> vertex_origin = {};  ///< of a surface that cut() opened: its vertices in the numbers of edges and pins
+  In<Index> vertex_origin =
+      {};  ///< of a surface that cut() opened: its vertices in the numbers of edges and pins
 };
 
 /// The same, with every constraint met to rounding in every iterate: shapes are eliminated from the unknowns, free scales
@@ -32,18 +33,18 @@ struct Constraints {
 /// Fails: as above; ConstraintInvalid and ConstraintsConflict, naming the constraints.
 /// Cost: with 20 features on 1M triangles about that of none; see perf/README.md.
 /// Ref: DESIGN 3.2 to 3.5; Vaitkus and Varady, section 5, whose multipliers are replaced by elimination.
-Result<Flattening> flatten(const Surface& surface, const Constraints& constraints, const FlattenOptions& options = {},
-                           const Monitor& monitor = {});
+Result<Flattening> flatten(const Surface& surface, const Constraints& constraints,
+                           const FlattenOptions& options = {}, const Monitor& monitor = {});
 
 /// What flattening with these constraints would work on, without solving it: every contradiction that flatten() would name
 /// before its first step is found.
 struct ConstraintPlan {
   MeshFacts mesh;
-  ConstraintFacts facts;      ///< outcome is empty
-  Offset unknowns = 0;        ///< complex ones of the sparse part
-  Offset memory_bytes = 0;    ///< estimate of the solve's peak
+  ConstraintFacts facts;    ///< outcome is empty
+  Offset unknowns = 0;      ///< complex ones of the sparse part
+  Offset memory_bytes = 0;  ///< estimate of the solve's peak
 };
-Result<ConstraintPlan> plan(const Surface& surface, const Constraints& constraints, const FlattenOptions& options = {},
-                            const Monitor& monitor = {});
+Result<ConstraintPlan> plan(const Surface& surface, const Constraints& constraints,
+                            const FlattenOptions& options = {}, const Monitor& monitor = {});
 
 }  // namespace planish

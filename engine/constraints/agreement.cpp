@@ -96,7 +96,8 @@ class Agreeing {
   void find_shared() {
     for (Index b = 0; b < static_cast<Index>(bodies().size()); ++b) {
       const Body& body = bodies()[b];
-      for (Index i = 0; i < static_cast<Index>(body.vertex.size()); ++i) at_.push_back({body.vertex[i], b, i});
+      for (Index i = 0; i < static_cast<Index>(body.vertex.size()); ++i)
+        at_.push_back({body.vertex[i], b, i});
     }
     std::sort(at_.begin(), at_.end(), [&](const At& x, const At& y) {
       if (x.vertex != y.vertex) return x.vertex < y.vertex;
@@ -146,9 +147,11 @@ class Agreeing {
     if (!(mismatch <= std::max(allowed(size), kRounding * size))) {
       return fail(conflict(*view_.set, {low.constraint, high.constraint},
                            "on the " + std::to_string(shared.size()) +
-                               " vertices that they share their shapes differ by " + difference(mismatch, size)));
+                               " vertices that they share their shapes differ by " +
+                               difference(mismatch, size)));
     }
-    for (const auto& [i, j] : shared) yield(a, i, mismatch <= kRounding * size ? 0 : mismatch, high.constraint);
+    for (const auto& [i, j] : shared)
+      yield(a, i, mismatch <= kRounding * size ? 0 : mismatch, high.constraint);
     if (known) return {};
     fitted_.join(a, b, placement);
     result_.joints.push_back(
@@ -178,11 +181,8 @@ class Agreeing {
     const bool rigid = body.kind != Body::Kind::FreeLine && pins.size() >= (body.scale ? 2u : 3u);
     if (!rigid) {
       for (const auto& [place, pin] : pins) {
-        result_.joints.push_back({.kind = Joint::Kind::Pin,
-                                  .a = b,
-                                  .place_a = place,
-                                  .p0 = compiled_.pins[pin].uv,
-                                  .pin = pin});
+        result_.joints.push_back(
+            {.kind = Joint::Kind::Pin, .a = b, .place_a = place, .p0 = compiled_.pins[pin].uv, .pin = pin});
       }
       return {};
     }
@@ -199,8 +199,9 @@ class Agreeing {
       std::vector<Index> involved = {body.constraint};
       for (const auto& [place, pin] : pins) involved.push_back(compiled_.pins[pin].constraint);
       return fail(conflict(*view_.set, involved,
-                           "the nearest place of \"" + view_.set->constraints[body.constraint].name + "\" misses its " +
-                               std::to_string(pins.size()) + " pins by " + difference(mismatch, body.size)));
+                           "the nearest place of \"" + view_.set->constraints[body.constraint].name +
+                               "\" misses its " + std::to_string(pins.size()) + " pins by " +
+                               difference(mismatch, body.size)));
     }
     for (const auto& [place, pin] : pins)
       yield(b, place, mismatch <= kRounding * body.size ? 0 : mismatch, compiled_.pins[pin].constraint);
@@ -239,7 +240,7 @@ class Agreeing {
   const ConstraintView& view_;
   const OrderedMesh& mesh_;
   FittedSets fitted_;
-  std::vector<At> at_;  // by vertex, then by rank
+  std::vector<At> at_;                                // by vertex, then by rank
   std::map<std::pair<Index, Index>, Shared> shared_;  // lower rank, higher rank
   Agreement result_;
 };

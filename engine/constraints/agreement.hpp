@@ -23,7 +23,8 @@ struct Joint {
 
 struct Agreement {
   std::vector<std::vector<std::uint8_t>> yielded;  ///< per body and place: 1 where another one decides
-  std::vector<double> mismatch;  ///< per body: largest distance at a vertex that it yielded, units of the mesh here
+  std::vector<double>
+      mismatch;  ///< per body: largest distance at a vertex that it yielded, units of the mesh here
   std::vector<Index> mismatch_with;  ///< per body: the constraint that it yielded to, or kNone
   std::vector<Joint> joints;
 };

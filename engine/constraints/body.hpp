@@ -18,9 +18,9 @@ namespace planish {
 struct RestSurface {
   const OrderedMesh* mesh = nullptr;
   const Topology* topology = nullptr;
-  In<RestFrame> frame;    ///< [T]
-  In<Index> outer_loop;   ///< [components] loop that is the outer one
-  In<Index> loop_of;      ///< [V] boundary loop of a vertex, kNone inside
+  In<RestFrame> frame;   ///< [T]
+  In<Index> outer_loop;  ///< [components] loop that is the outer one
+  In<Index> loop_of;     ///< [V] boundary loop of a vertex, kNone inside
   Surface surface() const { return mesh->surface(); }
 };
 
@@ -28,7 +28,8 @@ struct RestSurface {
 struct ConstraintView {
   const ConstraintSet* set = nullptr;
   In<Feature> features;  ///< of one name there are two where a seam runs along it
-  In<Index> vertex_origin;  ///< of the surface's vertices, in the numbers that edges and pins use; empty: the same
+  In<Index>
+      vertex_origin;  ///< of the surface's vertices, in the numbers that edges and pins use; empty: the same
   Index origin_of(Index v) const { return vertex_origin.empty() ? v : vertex_origin[v]; }
 };
 
@@ -47,15 +48,15 @@ struct Body {
   Index feature = kNone;     ///< index in the features; kNone: an edge
   std::vector<Index> vertex = {};
   std::vector<Vec2> shape = {};      ///< [vertex] template at scale 1, its mean at the origin
-  bool closed = false;          ///< a chain whose last vertex is joined to the first
+  bool closed = false;               ///< a chain whose last vertex is joined to the first
   std::vector<Index> triangle = {};  ///< of a region
-  std::optional<double> scale = 1;  ///< |c|; none: free
+  std::optional<double> scale = 1;   ///< |c|; none: free
   std::string scale_group = {};
   double size = 0;  ///< length of the chain in space, or square root of the region's area
 
   // What was found out when the template was made.
-  double planarity = 0;       ///< of a curve: farthest vertex from its plane; of a region: worst stretch - 1
-  bool mirrored = false;      ///< laid in the plane against the surface's orientation
+  double planarity = 0;   ///< of a curve: farthest vertex from its plane; of a region: worst stretch - 1
+  bool mirrored = false;  ///< laid in the plane against the surface's orientation
   bool chirality_open = false;  ///< the surface does not tell which way round it lies
 
   bool is_straight() const { return kind == Kind::Line || kind == Kind::FreeLine || kind == Kind::Chord; }
@@ -63,9 +64,7 @@ struct Body {
   bool has_edges() const { return kind != Kind::Chord || adjacent; }
   bool adjacent = false;  ///< a chord that is an edge of the mesh
   /// Number of edges of the chain; 0 of a region.
-  std::size_t num_edges() const {
-    return kind == Kind::Region ? 0 : vertex.size() - (closed ? 0 : 1);
-  }
+  std::size_t num_edges() const { return kind == Kind::Region ? 0 : vertex.size() - (closed ? 0 : 1); }
 };
 
 /// Yields come first to bodies of higher rank (DESIGN 3.2, near agreement): line and circle, then curve, then region.
@@ -81,7 +80,8 @@ inline int rank_of(Body::Kind kind) {
 struct Relation {
   Index constraint = kNone;
   Index a = kNone, b = kNone;
-  double along_a = 0, along_b = 0;  ///< directions in the bodies' templates that the angle is measured between
+  double along_a = 0,
+         along_b = 0;  ///< directions in the bodies' templates that the angle is measured between
   double degrees = 0;
   bool oriented = false;
 };

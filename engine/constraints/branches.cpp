@@ -16,7 +16,9 @@ constexpr int kMostTrials = 100000;
 /// Union-find of bodies (the last one is the u axis) with the angle of each against its root; can be undone.
 class AngleSets {
  public:
-  explicit AngleSets(std::size_t n) : parent_(n), angle_(n, 0) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit AngleSets(std::size_t n) : parent_(n), angle_(n, 0) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
   Index root(Index b) const {
     while (parent_[b] != b) b = parent_[b];
     return b;
@@ -46,7 +48,10 @@ class AngleSets {
 class BranchChoice {
  public:
   BranchChoice(const Compiled& compiled, const ConstraintView& view, const Measured& measured)
-      : compiled_(compiled), view_(view), axis_(static_cast<Index>(compiled.bodies.size())), measured_(measured) {
+      : compiled_(compiled),
+        view_(view),
+        axis_(static_cast<Index>(compiled.bodies.size())),
+        measured_(measured) {
     measured_.angle.push_back(0);
     measured_.frame.push_back(measured_.num_frames);
   }
@@ -72,14 +77,12 @@ class BranchChoice {
     if (!r.oriented) angle = {degrees, -degrees, degrees + kPi, -degrees + kPi};
     const double now = measured_.angle[b_of(r)] - measured_.angle[a_of(r)];
     for (double& x : angle) x = now + reduce_angle(x + shift - now);
-    std::stable_sort(angle.begin(), angle.end(), [&](double x, double y) {
-      return std::abs(x - now) < std::abs(y - now) - kAgree;
-    });
+    std::stable_sort(angle.begin(), angle.end(),
+                     [&](double x, double y) { return std::abs(x - now) < std::abs(y - now) - kAgree; });
     std::vector<double> distinct;
     for (const double x : angle) {
-      const bool known = std::any_of(distinct.begin(), distinct.end(), [&](double y) {
-        return std::abs(reduce_angle(x - y)) <= kAgree;
-      });
+      const bool known = std::any_of(distinct.begin(), distinct.end(),
+                                     [&](double y) { return std::abs(reduce_angle(x - y)) <= kAgree; });
       if (!known) distinct.push_back(x);
     }
     return distinct;
@@ -151,9 +154,11 @@ class BranchChoice {
     const Relation& last = relations()[conflicting.back()];
     const double now = sets.against_root(b_of(last)) - sets.against_root(a_of(last));
     double off = kInfinity;
-    for (const double candidate : candidates(last)) off = std::min(off, std::abs(reduce_angle(now - candidate)));
-    return conflict(*view_.set, constraints,
-                    "their angles do not add up, they miss one another by " + in_words(off / kDegree) + " degrees");
+    for (const double candidate : candidates(last))
+      off = std::min(off, std::abs(reduce_angle(now - candidate)));
+    return conflict(
+        *view_.set, constraints,
+        "their angles do not add up, they miss one another by " + in_words(off / kDegree) + " degrees");
   }
 
   Oriented finish(const std::vector<double>& difference) {
@@ -172,7 +177,8 @@ class BranchChoice {
     for (std::size_t b = 0; b < n; ++b) {
       const bool directed = label[b] == label[axis_];
       result.clusters.of.push_back(label[b]);
-      result.clusters.offset.push_back(sets.against_root(static_cast<Index>(b)) - (directed ? axis_angle : 0));
+      result.clusters.offset.push_back(sets.against_root(static_cast<Index>(b)) -
+                                       (directed ? axis_angle : 0));
     }
     for (std::size_t k = 0; k < relations().size(); ++k) {
       const Relation& r = relations()[k];
@@ -181,7 +187,8 @@ class BranchChoice {
     const Index axis_frame = measured_.num_frames;
     result.frame_turn.assign(frame_turn_.begin(), frame_turn_.end() - 1);
     result.frame_set.assign(frame_set_.begin(), frame_set_.end() - 1);
-    result.directed_set.assign(static_cast<std::size_t>(*std::max_element(frame_set_.begin(), frame_set_.end())) + 1, 0);
+    result.directed_set.assign(
+        static_cast<std::size_t>(*std::max_element(frame_set_.begin(), frame_set_.end())) + 1, 0);
     result.directed_set[frame_set_[axis_frame]] = 1;
     return result;
   }
@@ -196,7 +203,8 @@ class BranchChoice {
 
 }  // namespace
 
-Result<Oriented> choose_branches(const Compiled& compiled, const ConstraintView& view, const Measured& measured) {
+Result<Oriented> choose_branches(const Compiled& compiled, const ConstraintView& view,
+                                 const Measured& measured) {
   return BranchChoice(compiled, view, measured)();
 }
 

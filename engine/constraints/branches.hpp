@@ -23,6 +23,7 @@ struct Oriented {
 /// For each relation the representative nearest to what was measured: +-degrees modulo 180, or degrees modulo 360 where it
 /// is oriented. Relations that close a cycle must agree; where the nearest ones do not, other representatives are tried.
 /// Fails: ConstraintsConflict with a smallest set of relations that no choice satisfies.
-Result<Oriented> choose_branches(const Compiled& compiled, const ConstraintView& view, const Measured& measured);
+Result<Oriented> choose_branches(const Compiled& compiled, const ConstraintView& view,
+                                 const Measured& measured);
 
 }  // namespace planish

@@ -93,8 +93,9 @@ Result<void> make_arc(const ChainInput& input, const CircleConstraint& rule, In<
   const double sweep = rule.sweep_degrees ? *rule.sweep_degrees * kDegree : std::abs(own_sweep);
   constexpr double kLeastSweep = 1e-6;
   if (!(sweep > kLeastSweep)) {
-    return invalid(input, quoted(input) + " is straight: its best-fit circle has no radius; give "
-                                          "sweep_degrees, or ask for a line");
+    return invalid(input, quoted(input) +
+                              " is straight: its best-fit circle has no radius; give "
+                              "sweep_degrees, or ask for a line");
   }
   if (!(sweep < 2 * kPi)) {
     return invalid(input, quoted(input) + " winds " + in_words(sweep / kDegree) +
@@ -112,7 +113,8 @@ Result<void> make_arc(const ChainInput& input, const CircleConstraint& rule, In<
 
 Result<void> make_closed_circle(const ChainInput& input, const CircleConstraint& rule, In<double> length,
                                 double& radius, Body& body) {
-  if (rule.sweep_degrees) return invalid(input, "sweep_degrees is for arcs, but " + quoted(input) + " is closed");
+  if (rule.sweep_degrees)
+    return invalid(input, "sweep_degrees is for arcs, but " + quoted(input) + " is closed");
   if (rule.mirror) return invalid(input, "mirror is for arcs, but " + quoted(input) + " is closed");
   auto polygon = cyclic_polygon(length);
   if (!polygon)
@@ -143,8 +145,9 @@ void centre(std::vector<Vec2>& shape) {
 
 Result<void> make_line(const ChainInput& input, const LineConstraint& rule, Body& body) {
   if (body.closed) {
-    return impossible(input, quoted(input) + " is closed, and a closed curve is no straight line; make a "
-                                             "feature of a part of it");
+    return impossible(input, quoted(input) +
+                                 " is closed, and a closed curve is no straight line; make a "
+                                 "feature of a part of it");
   }
   double along = 0;
   body.shape = {Vec2{}};
@@ -170,7 +173,8 @@ Result<void> make_circle(const ChainInput& input, const CircleConstraint& rule, 
   auto made = body.closed ? make_closed_circle(input, rule, length, radius, body)
                           : make_arc(input, rule, length, radius, body);
   if (!made) return made;
-  body.scale = rule.radius ? std::optional(*rule.radius / input.rest->mesh->unit / radius) : rule.scale.factor;
+  body.scale =
+      rule.radius ? std::optional(*rule.radius / input.rest->mesh->unit / radius) : rule.scale.factor;
   body.scale_group = rule.scale.group;
   centre(body.shape);
   return {};
@@ -180,8 +184,10 @@ Result<void> make_curve(const ChainInput& input, const CurveConstraint& rule, Bo
   body.kind = Body::Kind::Curve;
   body.scale = rule.scale.factor;
   body.scale_group = rule.scale.group;
-  if (body.closed && rule.mirror) return invalid(input, "mirror is for open curves, but " + quoted(input) + " is closed");
-  if (body.closed && body.vertex.size() < 3) return invalid(input, quoted(input) + " has fewer than 3 vertices");
+  if (body.closed && rule.mirror)
+    return invalid(input, "mirror is for open curves, but " + quoted(input) + " is closed");
+  if (body.closed && body.vertex.size() < 3)
+    return invalid(input, quoted(input) + " has fewer than 3 vertices");
   const ChainPlane fitted = plane_of(input);
   body.planarity = fitted.plane.farthest;
   if (rule.shape == CurveConstraint::Shape::Geodesic) {
@@ -193,7 +199,8 @@ Result<void> make_curve(const ChainInput& input, const CurveConstraint& rule, Bo
     }
     auto shape = geodesic_shape(*input.rest, body.vertex, counter_clockwise);
     if (!shape)
-      return impossible(input, "the turning of the surface along " + quoted(input) + " does not close in the plane");
+      return impossible(input,
+                        "the turning of the surface along " + quoted(input) + " does not close in the plane");
     body.shape = std::move(*shape);
     if (!body.closed) apply_mirror(rule.mirror, false, body);
   } else {

@@ -90,7 +90,8 @@ Vec3 mean_normal(const RestSurface& rest, In<Index> chain, bool closed) {
   for (std::size_t i = 0; i + (closed ? 0 : 1) < chain.size(); ++i) {
     const Index u = chain[i], v = chain[(i + 1) % chain.size()];
     const double length = norm(surface.position[v] - surface.position[u]);
-    for (const Index c : {half_edge(surface, *rest.topology, u, v), half_edge(surface, *rest.topology, v, u)}) {
+    for (const Index c :
+         {half_edge(surface, *rest.topology, u, v), half_edge(surface, *rest.topology, v, u)}) {
       if (c == kNone) continue;
       const auto corner = [&](Index k) { return surface.position[surface.corner_vertex[k]]; };
       const Index first = 3 * (c / 3);

@@ -148,7 +148,8 @@ class Compiler {
   Result<void> relate(const AngleConstraint& rule) {
     std::vector<std::vector<Measured>> end(2);
     for (std::size_t k = 0; k < 2; ++k) {
-      auto found = rule.features.empty() ? measured_edge(rule.edges[k]) : measured(rule.features[k], rule.measure);
+      auto found =
+          rule.features.empty() ? measured_edge(rule.edges[k]) : measured(rule.features[k], rule.measure);
       if (!found) return fail(found.error());
       end[k] = std::move(*found);
     }

@@ -103,8 +103,10 @@ void DofMap::fold(Out<Vec2> force) const {
   for (const Owner& owner : *owners_) {
     const Vec2 f = force[owner.vertex];
     force[owner.vertex] = {};
-    if (const Index node = nodes_->assembly_node[assemblies_->of[owner.body]]; node != kNone) force[node] += f;
-    poses_->visit_slots(owner.body, owner.place, [&](Index slot, Vec2 dz) { slot_gradient[slot] += dot(dz, f); });
+    if (const Index node = nodes_->assembly_node[assemblies_->of[owner.body]]; node != kNone)
+      force[node] += f;
+    poses_->visit_slots(owner.body, owner.place,
+                        [&](Index slot, Vec2 dz) { slot_gradient[slot] += dot(dz, f); });
   }
   poses_->pull_back(slot_gradient, gradient);
   for (Index k = 0; k < num_border(); ++k) force[num_nodes() + k] = {gradient[k], 0};
@@ -116,9 +118,11 @@ void DofMap::rebase(Out<Vec2> x) {
   for (Index k = 0; k < num_border(); ++k) x[num_nodes() + k] = {};
 }
 
-DofMap::Border DofMap::border(In<Index> corner_vertex, const Topology& topology, const EdgeWeight& weight) const {
+DofMap::Border DofMap::border(In<Index> corner_vertex, const Topology& topology,
+                              const EdgeWeight& weight) const {
   const Index m = num_border();
-  Border result{.column = std::vector<SparseColumn>(m), .corner = std::vector<double>(static_cast<std::size_t>(m) * m, 0)};
+  Border result{.column = std::vector<SparseColumn>(m),
+                .corner = std::vector<double>(static_cast<std::size_t>(m) * m, 0)};
   if (m == 0) return result;
   std::vector<FieldEntry> field;
   for (const Owner& owner : *owners_) {

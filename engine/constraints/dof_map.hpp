@@ -10,10 +10,11 @@ namespace planish {
 
 /// Where each vertex stands in the mesh's quotient Laplacian, whatever the poses are.
 struct NodeMap {
-  std::vector<Index> node;             ///< [V] itself, V + k of its assembly, or kNone: fixed, or moved by the border alone
-  std::vector<std::uint8_t> fixed;     ///< [V] 1 where a vertex has a place of its own
+  std::vector<Index>
+      node;  ///< [V] itself, V + k of its assembly, or kNone: fixed, or moved by the border alone
+  std::vector<std::uint8_t> fixed;            ///< [V] 1 where a vertex has a place of its own
   std::vector<std::pair<Index, Vec2>> place;  ///< of these, but those at 0
-  std::vector<Index> assembly_node;    ///< per assembly, kNone: held or pinned
+  std::vector<Index> assembly_node;           ///< per assembly, kNone: held or pinned
   Index num_nodes = 0;
 };
 

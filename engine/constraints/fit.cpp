@@ -1,7 +1,7 @@
 #include "engine/constraints/fit.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
+#include <Eigen/Dense>
 
 namespace planish {
 namespace {
@@ -68,8 +68,8 @@ BestCircle best_circle(In<Vec2> point) {
   }
   const Eigen::Vector3d algebraic = rows.colPivHouseholderQr().solve(rhs);
   BestCircle circle{mean + Vec2{algebraic[0], algebraic[1]}, 0};
-  circle.radius = std::sqrt(std::max(
-      0.0, algebraic[2] + algebraic[0] * algebraic[0] + algebraic[1] * algebraic[1]));
+  circle.radius =
+      std::sqrt(std::max(0.0, algebraic[2] + algebraic[0] * algebraic[0] + algebraic[1] * algebraic[1]));
   constexpr int kSteps = 20;
   constexpr double kFlat = 1e6;  // times the size: as good as a line
   for (int step = 0; step < kSteps; ++step) {

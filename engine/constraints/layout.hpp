@@ -7,9 +7,9 @@ namespace planish {
 
 /// Feature vertices in the plane, each assembly in a frame of its own.
 struct Layout {
-  std::vector<Index> assembly;             ///< [V] kNone where a vertex is on no body with edges
-  std::vector<Vec2> point;                 ///< [V]
-  std::vector<std::uint8_t> fixed_edge;    ///< [3 T] 1: the half-edge's image is prescribed (twins alike)
+  std::vector<Index> assembly;               ///< [V] kNone where a vertex is on no body with edges
+  std::vector<Vec2> point;                   ///< [V]
+  std::vector<std::uint8_t> fixed_edge;      ///< [3 T] 1: the half-edge's image is prescribed (twins alike)
   std::vector<std::uint8_t> fixed_triangle;  ///< [T] 1: all of it is, as part of a region
   Index num_assemblies = 0;
 

@@ -139,7 +139,8 @@ class Orienting {
     }
     for (const Relation& r : compiled_.relations) {
       const auto is_here = [&](Index b) {
-        return b != kNone && std::find(constraints.begin(), constraints.end(), bodies()[b].constraint) != constraints.end();
+        return b != kNone &&
+               std::find(constraints.begin(), constraints.end(), bodies()[b].constraint) != constraints.end();
       };
       if (is_here(r.a) && is_here(r.b)) constraints.push_back(r.constraint);
     }
@@ -218,7 +219,8 @@ class Orienting {
     }
     auto oriented = choose_branches(compiled_, view_, measured);
     if (!oriented) return fail(oriented.error());
-    for (std::size_t b = 0; b < bodies().size(); ++b) measured.angle[b] += oriented->frame_turn[measured.frame[b]];
+    for (std::size_t b = 0; b < bodies().size(); ++b)
+      measured.angle[b] += oriented->frame_turn[measured.frame[b]];
     result_.clusters = std::move(oriented->clusters);
     result_.chosen = std::move(oriented->chosen);
     if (!compiled_.relations.empty()) {
@@ -315,14 +317,16 @@ class Orienting {
     for (const PathRow& row : rows) {
       double off = 0;
       for (const PathRow::End& end : row.end) {
-        const auto a = std::find(turned.triangle.begin(), turned.triangle.end(), end.triangle) - turned.triangle.begin();
+        const auto a =
+            std::find(turned.triangle.begin(), turned.triangle.end(), end.triangle) - turned.triangle.begin();
         off += end.sign * turned.by[a];
       }
       rotations_.residual = std::max(rotations_.residual, std::abs(reduce_angle(off)));
     }
     if (rotations_.residual <= 1e-9) return {};
     return fail(ErrorCode::ResidualTooLarge, "rotations miss rows of angle constraints by " +
-                                                 std::to_string(rotations_.residual) + " radians, 1e-9 is allowed");
+                                                 std::to_string(rotations_.residual) +
+                                                 " radians, 1e-9 is allowed");
   }
 
   const Exec& exec_;
@@ -345,8 +349,8 @@ class Orienting {
 
 }  // namespace
 
-Result<Orientation> orient(const Exec& exec, const RestSurface& rest, const ConstraintView& view, Compiled compiled,
-                           const StartInput& input, Init init) {
+Result<Orientation> orient(const Exec& exec, const RestSurface& rest, const ConstraintView& view,
+                           Compiled compiled, const StartInput& input, Init init) {
   return Orienting(exec, rest, view, std::move(compiled), input, init)();
 }
 

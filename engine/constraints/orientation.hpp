@@ -7,12 +7,13 @@
 namespace planish {
 
 struct Orientation {
-  std::vector<double> theta;  ///< [T] triangle angles, radians
-  double residual = 0;        ///< largest one of any rotation row, radians
-  Clusters clusters;          ///< of the bodies
-  std::vector<double> angle;  ///< per body: its direction in the plane, radians
+  std::vector<double> theta;   ///< [T] triangle angles, radians
+  double residual = 0;         ///< largest one of any rotation row, radians
+  Clusters clusters;           ///< of the bodies
+  std::vector<double> angle;   ///< per body: its direction in the plane, radians
   std::vector<double> chosen;  ///< per relation: its angle in the plane, radians
-  std::vector<std::uint8_t> directed;  ///< per component: 1 where its frame is tied to the u axis or to other components
+  std::vector<std::uint8_t>
+      directed;  ///< per component: 1 where its frame is tied to the u axis or to other components
 };
 
 /// Lays bodies out assembly by assembly, solves for the smallest connection whose sectors agree with them, reads off how
@@ -20,8 +21,8 @@ struct Orientation {
 /// With Init::Harmonic or Identity no rows are solved: directions are read off those maps.
 /// Fails: ConstraintsConflict (angles; joints that do not close; templates that fold); FactorizationFailed,
 ///        ResidualTooLarge, OutOfMemory.
-Result<Orientation> orient(const Exec& exec, const RestSurface& rest, const ConstraintView& view, Compiled compiled,
-                           const StartInput& input, Init init);
+Result<Orientation> orient(const Exec& exec, const RestSurface& rest, const ConstraintView& view,
+                           Compiled compiled, const StartInput& input, Init init);
 
 /// Poses with all joints met, from given directions; the reason where that is impossible, with a smallest set of
 /// constraints that contradict one another.

@@ -30,7 +30,8 @@ double distance_from_line(const Kept& points) {
   if (points.image.size() < 3) return 0;
   const BestLine line = best_line(points.image);
   double farthest = 0;
-  for (const Vec2 z : points.image) farthest = std::max(farthest, std::abs(cross(line.direction, z - line.mean)));
+  for (const Vec2 z : points.image)
+    farthest = std::max(farthest, std::abs(cross(line.direction, z - line.mean)));
   return farthest;
 }
 
@@ -50,7 +51,8 @@ double distance_from_circle(const Kept& points) {
   const BestCircle circle = best_circle(points.image);
   if (!std::isfinite(circle.radius)) return 0;  // a flat arc is judged by its template
   double farthest = 0;
-  for (const Vec2 z : points.image) farthest = std::max(farthest, std::abs(norm(z - circle.centre) - circle.radius));
+  for (const Vec2 z : points.image)
+    farthest = std::max(farthest, std::abs(norm(z - circle.centre) - circle.radius));
   return farthest / circle.radius;
 }
 
@@ -102,7 +104,8 @@ ConstraintOutcome ConstraintSystem::outcome_of_body(const Body& body, Index numb
     default: outcome.residual_abs = distance_from_shape(points, unit, scale); break;
   }
   outcome.residual = outcome.residual_abs / size;
-  if (body.kind == Body::Kind::Circle) outcome.residual = std::max(outcome.residual, distance_from_circle(points));
+  if (body.kind == Body::Kind::Circle)
+    outcome.residual = std::max(outcome.residual, distance_from_circle(points));
   if (body.is_straight()) outcome.keeps_order = runs_forwards(body, uv);
   std::vector<Vec2> shape = body.shape;
   for (Vec2& t : shape) t = unit * t;
@@ -113,13 +116,15 @@ ConstraintOutcome ConstraintSystem::outcome_of_body(const Body& body, Index numb
     outcome.scale = norm(placement.c);
     outcome.orientation = kDegrees * argument(placement.c);
   } else {
-    outcome.scale = body.kind == Body::Kind::FreeLine ? std::nullopt : std::optional(norm(poses.factor(number)));
+    outcome.scale =
+        body.kind == Body::Kind::FreeLine ? std::nullopt : std::optional(norm(poses.factor(number)));
     outcome.orientation = kDegrees * argument(uv[body.vertex.back()] - uv[body.vertex.front()]);
   }
   if (body.kind != Body::Kind::FreeLine) outcome.shape = std::move(shape);
   outcome.mirrored = body.mirrored;
   outcome.chirality_open = body.chirality_open;
-  if (body.kind == Body::Kind::Curve || body.kind == Body::Kind::Circle) outcome.planarity = unit * body.planarity;
+  if (body.kind == Body::Kind::Curve || body.kind == Body::Kind::Circle)
+    outcome.planarity = unit * body.planarity;
   if (body.kind == Body::Kind::Region) outcome.planarity = body.planarity;
   outcome.mismatch = unit * agreement_.mismatch[number];
   if (outcome.mismatch > 0) {
@@ -152,7 +157,8 @@ ConstraintOutcome ConstraintSystem::outcome_of_relation(std::size_t number, In<V
     outcome.side = std::max(outcome.side, view_.features[compiled_.bodies[body].feature].side);
   }
   outcome.degrees = kDegrees * angle;
-  outcome.residual = outcome.residual_abs = kDegrees * std::abs(reduce_angle(angle - orientation_.chosen[number]));
+  outcome.residual = outcome.residual_abs =
+      kDegrees * std::abs(reduce_angle(angle - orientation_.chosen[number]));
   return outcome;
 }
 
@@ -181,7 +187,8 @@ std::vector<ConstraintOutcome> ConstraintSystem::outcomes(In<Vec2> uv, const Pos
     of[compiled_.relations[k].constraint].push_back(outcome_of_relation(k, uv));
   std::vector<ConstraintOutcome> all;
   for (Index c = 0; c < static_cast<Index>(of.size()); ++c) {
-    if (std::holds_alternative<PinConstraint>(view_.set->constraints[c].rule)) of[c].push_back(outcome_of_pins(c, uv));
+    if (std::holds_alternative<PinConstraint>(view_.set->constraints[c].rule))
+      of[c].push_back(outcome_of_pins(c, uv));
     for (ConstraintOutcome& outcome : of[c]) all.push_back(std::move(outcome));
   }
   return all;

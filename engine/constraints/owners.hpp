@@ -24,7 +24,8 @@ Restricted restrict_to(const Compiled& compiled, const std::vector<std::uint8_t>
 
 /// A smallest part of the constraints for which `fails` still holds, found by leaving out one after the other.
 template <class Fails>
-std::vector<Index> smallest_failing(std::vector<Index> constraints, std::size_t num_constraints, Fails fails) {
+std::vector<Index> smallest_failing(std::vector<Index> constraints, std::size_t num_constraints,
+                                    Fails fails) {
   constexpr std::size_t kMost = 64;  // more are named as they are
   std::sort(constraints.begin(), constraints.end());
   constraints.erase(std::unique(constraints.begin(), constraints.end()), constraints.end());

@@ -13,9 +13,9 @@ constexpr int kMostSteps = 60;
 }  // namespace
 
 struct PoseGroup::Dense {
-  Eigen::MatrixXd along, across;        // orthonormal: null space of the joints at the base, and what is left
-  Eigen::VectorXd base;                 // values at the base
-  mutable Eigen::MatrixXd tangent;      // d slots / d y where the group was moved to last
+  Eigen::MatrixXd along, across;    // orthonormal: null space of the joints at the base, and what is left
+  Eigen::VectorXd base;             // values at the base
+  mutable Eigen::MatrixXd tangent;  // d slots / d y where the group was moved to last
 };
 
 namespace {
@@ -34,8 +34,8 @@ namespace {
 
 class EquationWriter {
  public:
-  EquationWriter(const std::vector<Body>& bodies, const std::vector<PoseSlots>& slots, const std::vector<Index>& place,
-                 const Poses& poses, Eigen::Index columns)
+  EquationWriter(const std::vector<Body>& bodies, const std::vector<PoseSlots>& slots,
+                 const std::vector<Index>& place, const Poses& poses, Eigen::Index columns)
       : bodies_(bodies), slots_(slots), place_(place), poses_(poses), columns_(columns) {}
 
   void add(const Joint& joint) {
@@ -156,7 +156,8 @@ struct PoseAccess {
 
 PoseGroup::PoseGroup(Poses& poses, std::vector<Index> slot, std::vector<Index> joint)
     : poses_(poses), slot_(std::move(slot)), joint_(std::move(joint)), dense_(std::make_unique<Dense>()) {
-  linear_ = std::none_of(slot_.begin(), slot_.end(), [&](Index s) { return PoseAccess::is_angle(poses_, s); });
+  linear_ =
+      std::none_of(slot_.begin(), slot_.end(), [&](Index s) { return PoseAccess::is_angle(poses_, s); });
 }
 
 PoseGroup::~PoseGroup() = default;
@@ -212,15 +213,13 @@ bool PoseGroup::move_to(In<double> y) {
     solver.compute(now.derivative * dense_->across);
     const double residual = now.residual.cwiseAbs().maxCoeff();
     if (residual <= kMet || (step + 1 == kMoveSteps && residual <= kSmallEnough)) {
-      dense_->tangent =
-          dense_->along - dense_->across * solver.solve(now.derivative * dense_->along);
+      dense_->tangent = dense_->along - dense_->across * solver.solve(now.derivative * dense_->along);
       return true;
     }
     const Eigen::VectorXd change = solver.solve(-now.residual);
     if (!change.allFinite() || change.cwiseAbs().maxCoeff() > 1) return false;
     if (change.cwiseAbs().maxCoeff() <= 1e-16 && residual <= kSmallEnough) {
-      dense_->tangent =
-          dense_->along - dense_->across * solver.solve(now.derivative * dense_->along);
+      dense_->tangent = dense_->along - dense_->across * solver.solve(now.derivative * dense_->along);
       return true;
     }
     at += dense_->across * change;

@@ -30,13 +30,14 @@ Assemblies find_assemblies(const Compiled& compiled, const Agreement& agreement)
 
 /// The pose parameters ("slots") that a body's points depend on.
 struct PoseSlots {
-  Index p = kNone;           ///< two: translation against the assembly's; kNone: zero
-  Index c = kNone;           ///< two: a free complex c; kNone: c = scale e^(i angle), each a slot or given
+  Index p = kNone;  ///< two: translation against the assembly's; kNone: zero
+  Index c = kNone;  ///< two: a free complex c; kNone: c = scale e^(i angle), each a slot or given
   Index scale_slot = kNone;
   double scale = 1;
   Index angle_slot = kNone;  ///< its value + offset
   double offset = 0;
-  std::vector<Index> tau;    ///< of a line with free lengths: the place of each vertex along it, kNone of the first
+  std::vector<Index>
+      tau;  ///< of a line with free lengths: the place of each vertex along it, kNone of the first
 };
 
 class PoseGroup;
@@ -51,8 +52,8 @@ class Poses {
   };
 
   /// angle: per body, the start of its direction in its assembly, radians.
-  Poses(const Compiled& compiled, const Agreement& agreement, const Assemblies& assemblies, const Clusters& clusters,
-        In<double> angle);
+  Poses(const Compiled& compiled, const Agreement& agreement, const Assemblies& assemblies,
+        const Clusters& clusters, In<double> angle);
   ~Poses();
   Poses(const Poses&) = delete;
   Poses& operator=(const Poses&) = delete;
@@ -105,12 +106,12 @@ class Poses {
   const Compiled* compiled_;
   const Agreement* agreement_;
   const Assemblies* assemblies_;
-  std::vector<PoseSlots> slots_;   // per body
-  std::vector<double> value_;      // per slot
+  std::vector<PoseSlots> slots_;    // per body
+  std::vector<double> value_;       // per slot
   std::vector<double> base_angle_;  // per body: its direction at the base
-  std::vector<double> base_;       // per slot: values at the origin of the free coordinates
-  std::vector<Index> slot_group_;  // per slot, kNone: free by itself
-  std::vector<Index> slot_place_;  // per slot: its free coordinate, or its place in the group
+  std::vector<double> base_;        // per slot: values at the origin of the free coordinates
+  std::vector<Index> slot_group_;   // per slot, kNone: free by itself
+  std::vector<Index> slot_place_;   // per slot: its free coordinate, or its place in the group
   std::vector<std::unique_ptr<PoseGroup>> groups_;
   std::vector<Index> group_begin_;  // per group: its first free coordinate
   Index num_free_ = 0;
@@ -157,7 +158,8 @@ inline Vec2 Poses::translation(Index body) const {
 
 inline double Poses::length_along(Index body, Index place) const {
   const PoseSlots& s = slots_[body];
-  return s.tau.empty() || s.tau[place] == kNone ? compiled_->bodies[body].shape[place].x : value_[s.tau[place]];
+  return s.tau.empty() || s.tau[place] == kNone ? compiled_->bodies[body].shape[place].x
+                                                : value_[s.tau[place]];
 }
 
 inline Vec2 Poses::point(Index body, Index place) const {

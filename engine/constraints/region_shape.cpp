@@ -10,7 +10,7 @@
 namespace planish {
 namespace {
 
-constexpr double kDevelopable = 1e-10;    // radians
+constexpr double kDevelopable = 1e-10;  // radians
 constexpr double kLargestHolonomy = 1e-3;
 
 /// The region as a mesh of its own; its vertices ascend in the numbers of the input.
@@ -115,14 +115,16 @@ double worst_stretch(const Cutout& region, In<RestFrame> frame, In<Vec2> point) 
 
 }  // namespace
 
-Result<void> make_region(const RestSurface& rest, const ConstraintSet& set, const RegionMap& map, Body& body) {
+Result<void> make_region(const RestSurface& rest, const ConstraintSet& set, const RegionMap& map,
+                         Body& body) {
   const Cutout region = cut_out(rest, body.triangle);
   const Topology topology = build_topology(Exec(1), region.surface());
   const auto refuse = [&](const std::string& what) {
     return fail(constraint_error(ErrorCode::ConstraintsConflict, set, body.constraint, what));
   };
   if (!topology.manifold)
-    return refuse("its region touches itself in a vertex, and has no shape of its own; leave that vertex out");
+    return refuse(
+        "its region touches itself in a vertex, and has no shape of its own; leave that vertex out");
   std::vector<RestFrame> frame;
   for (const Index t : body.triangle) frame.push_back(rest.frame[t]);
   const std::vector<double> angle_sum = angle_sums(region, frame);
@@ -130,7 +132,8 @@ Result<void> make_region(const RestSurface& rest, const ConstraintSet& set, cons
     const double gap = holonomy(region, topology, loop, angle_sum);
     if (std::abs(gap) <= kLargestHolonomy) continue;
     return refuse("its region does not close in the plane around one of its holes (it turns by " +
-                  in_words(gap * 180 / kPi) + " degrees too much, as a tube does by 360); add a seam that opens it");
+                  in_words(gap * 180 / kPi) +
+                  " degrees too much, as a tube does by 360); add a seam that opens it");
   }
   body.vertex = region.vertex;
   if (largest_defect(topology, angle_sum) <= kDevelopable) {

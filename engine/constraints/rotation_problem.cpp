@@ -17,8 +17,8 @@ constexpr double kAngleSum = 1e-7;
 
 }  // namespace
 
-Result<RotationProblem> RotationProblem::make(const Exec& exec, const RestSurface& rest, const StartInput& input,
-                                              const Layout& layout, Init init) {
+Result<RotationProblem> RotationProblem::make(const Exec& exec, const RestSurface& rest,
+                                              const StartInput& input, const Layout& layout, Init init) {
   RotationProblem problem(exec, rest, input);
   if (init == Init::Cotangent) problem.weight_ = FlooredWeights(exec, input);
   problem.sectors_ = find_sectors(*input.topology, input.corner_vertex, layout.fixed_edge);
@@ -147,11 +147,13 @@ Result<std::vector<double>> RotationProblem::targets(const Layout& layout, std::
     if (!whole || std::abs(vertex_sum[v] - 2 * kPi) <= kAngleSum) continue;
     at = {v};
     return fail(ErrorCode::ConstraintsConflict, "the angles that they prescribe around a vertex sum to " +
-                                                    in_words(vertex_sum[v] * 180 / kPi) + " degrees, not 360");
+                                                    in_words(vertex_sum[v] * 180 / kPi) +
+                                                    " degrees, not 360");
   }
   std::vector<double> target(num_nodes_, 0);
   for (Index s = 0; s < n; ++s) {
-    if (!sectors_.rowless[s] && (rest_.loop_of[sectors_.vertex[s]] == kNone || sectors_.is_prescribed(s))) target[s] = sector_target[s];
+    if (!sectors_.rowless[s] && (rest_.loop_of[sectors_.vertex[s]] == kNone || sectors_.is_prescribed(s)))
+      target[s] = sector_target[s];
   }
   for (std::size_t h = 0; h < hole_target.size(); ++h) target[n + static_cast<Index>(h)] = hole_target[h];
   if (auto checked = check_parts(target, at); !checked) return fail(checked.error());
@@ -168,8 +170,8 @@ Result<void> RotationProblem::check_parts(In<double> target, std::vector<Index>&
       if (sectors_.from[s] != kNone) at.push_back(sectors_.vertex[s]);
     }
     return fail(ErrorCode::ConstraintsConflict,
-                "the angles that they prescribe around a part of the surface sum to " + in_words(sum * 180 / kPi) +
-                    " degrees more than its curvature allows");
+                "the angles that they prescribe around a part of the surface sum to " +
+                    in_words(sum * 180 / kPi) + " degrees more than its curvature allows");
   }
   return {};
 }
@@ -212,8 +214,9 @@ Result<Rotations> RotationProblem::solve(const Layout& layout, std::vector<Index
   for (Index j = 0; j < num_nodes_; ++j) result.potential[j] = x[j].x;
   result.residual = largest_residual(laplacian_, result.potential, *target);
   if (!(result.residual <= kLargestRotationResidual)) {
-    return fail(ErrorCode::ResidualTooLarge,
-                "rotations miss their rows by " + std::to_string(result.residual) + " radians, 1e-9 is allowed");
+    return fail(
+        ErrorCode::ResidualTooLarge,
+        "rotations miss their rows by " + std::to_string(result.residual) + " radians, 1e-9 is allowed");
   }
   result.theta = integrate(layout, result.potential, {});
   return result;

@@ -12,9 +12,9 @@ namespace planish {
 
 /// Triangle angles, and how they were integrated.
 struct Rotations {
-  std::vector<double> theta;       ///< [T] radians
-  std::vector<double> potential;   ///< per node
-  double residual = 0;             ///< largest one of any row, radians
+  std::vector<double> theta;      ///< [T] radians
+  std::vector<double> potential;  ///< per node
+  double residual = 0;            ///< largest one of any row, radians
 };
 
 /// A row along dual paths: the sum of sign times the angles of triangles shall change by `change`, radians.
@@ -41,10 +41,11 @@ class RotationProblem {
 
   /// The smallest connection that meets further rows along paths from each component's first triangle.
   /// Fails: FactorizationFailed where rows depend on one another; ResidualTooLarge.   Cost: a sparse solve a row.
-  Result<Rotations> adjust(const Layout& layout, const Rotations& base, const std::vector<PathRow>& rows) const;
+  Result<Rotations> adjust(const Layout& layout, const Rotations& base,
+                           const std::vector<PathRow>& rows) const;
 
  private:
-  struct Part {  // of the nodes, joined by free dual edges and not to the ground
+  struct Part {               // of the nodes, joined by free dual edges and not to the ground
     std::vector<Index> node;  // ascending; the row of the first is implied by the others
     std::vector<Index> sector;
   };
@@ -68,8 +69,8 @@ class RotationProblem {
   std::vector<Index> node_;           // per sector
   Index num_nodes_ = 0;
   std::vector<Part> part_;
-  std::vector<Index> hole_of_node_;   // per hole node: its loop
-  std::vector<Index> parent_;         // [T] half-edge of the parent that is crossed, kNone at a component's first
+  std::vector<Index> hole_of_node_;  // per hole node: its loop
+  std::vector<Index> parent_;  // [T] half-edge of the parent that is crossed, kNone at a component's first
   std::vector<Index> tree_order_;
   SymmetricMatrix laplacian_;
   std::optional<GlobalPhase> global_;

@@ -70,7 +70,8 @@ class SectorFinder {
     Topology& opened = result_.opened;
     const auto num_corners = static_cast<Index>(corner_vertex_.size());
     opened.corner_twin.resize(num_corners);
-    for (Index c = 0; c < num_corners; ++c) opened.corner_twin[c] = fixed_[c] ? kNone : topology_.corner_twin[c];
+    for (Index c = 0; c < num_corners; ++c)
+      opened.corner_twin[c] = fixed_[c] ? kNone : topology_.corner_twin[c];
     std::vector<Index> count(result_.vertex.size(), 0);
     for (const Index s : result_.corner_sector) ++count[s];
     opened.star_begin = exclusive_scan(count);

@@ -10,10 +10,11 @@ namespace planish {
 /// boundary; at a vertex without any it is the whole star, numbered as the vertex. Vertices with all their edges fixed
 /// and none on the boundary keep one sector without a row.
 struct Sectors {
-  Topology opened;                   ///< corner_twin kNone across fixed edges; stars [num_sectors] are those of sectors
+  Topology opened;  ///< corner_twin kNone across fixed edges; stars [num_sectors] are those of sectors
   std::vector<Index> corner_sector;  ///< [3 T]
   std::vector<Index> vertex;         ///< [num_sectors]
-  std::vector<Index> from, to;       ///< [num_sectors] vertices at the ends of its fixed edges, counter-clockwise; kNone: free
+  std::vector<Index> from,
+      to;  ///< [num_sectors] vertices at the ends of its fixed edges, counter-clockwise; kNone: free
   std::vector<std::uint8_t> rowless;  ///< [num_sectors] 1: no edge of it is free
   Index num_vertices = 0;
   Index num_sectors() const { return static_cast<Index>(vertex.size()); }

@@ -2,8 +2,10 @@
 
 namespace planish {
 
-Result<std::unique_ptr<ConstraintSystem>> ConstraintSystem::make(const RestSurface& rest, const ConstraintView& view,
-                                                                 const RegionMap& map, In<Index> vertex_component) {
+Result<std::unique_ptr<ConstraintSystem>> ConstraintSystem::make(const RestSurface& rest,
+                                                                 const ConstraintView& view,
+                                                                 const RegionMap& map,
+                                                                 In<Index> vertex_component) {
   std::unique_ptr<ConstraintSystem> system(new ConstraintSystem(rest, view, vertex_component));
   auto compiled = compile(rest, view, map);
   if (!compiled) return fail(compiled.error());
@@ -54,7 +56,8 @@ Result<std::unique_ptr<DofMap>> ConstraintSystem::dof_map(bool frozen) const {
                             orientation_.angle);
   if (!poses) return fail(poses.error());
   if (frozen) {
-    auto still = std::make_unique<Poses>(compiled_, agreement_, assemblies_, (*poses)->frozen(), orientation_.angle);
+    auto still =
+        std::make_unique<Poses>(compiled_, agreement_, assemblies_, (*poses)->frozen(), orientation_.angle);
     still->adopt(**poses);
     *poses = std::move(still);
   }

@@ -30,7 +30,8 @@ struct SideChain {
   Index torn = kNone;
 };
 
-SideChain side_chain(const Surface& surface, const Topology& topology, const Cut& cut, const Feature& chain, bool left) {
+SideChain side_chain(const Surface& surface, const Topology& topology, const Cut& cut, const Feature& chain,
+                     bool left) {
   SideChain side;
   const std::size_t n = chain.vertex.size();
   const auto join = [&](Index copy, Index original) {
@@ -72,9 +73,10 @@ Result<std::vector<Feature>> features_on_cut(const Surface& surface, const Cut& 
     SideChain right = side_chain(surface, topology, cut, feature, false);
     for (const Index torn : {left.torn, right.torn}) {
       if (torn == kNone) continue;
-      Error error = feature_error(ErrorCode::ConstraintInvalid, feature.name,
-                                  "is cut apart by a seam that crosses it; constrain its parts as features of their "
-                                  "own, or lead the cut elsewhere");
+      Error error =
+          feature_error(ErrorCode::ConstraintInvalid, feature.name,
+                        "is cut apart by a seam that crosses it; constrain its parts as features of their "
+                        "own, or lead the cut elsewhere");
       error.element = ElementKind::Vertex;
       error.ids = {torn};
       error.count = 1;

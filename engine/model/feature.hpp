@@ -72,7 +72,7 @@ struct Feature {
   double length = 0;            ///< of the chain, mesh units
   double max_deviation = 0;     ///< largest distance between the chain and the given polyline, mesh units
   std::vector<Index> triangle;  ///< of a region, ascending; empty for a chain
-  int side = 0;                 ///< 0; where a seam runs along the chain: 1 its copy on the left, 2 on the right
+  int side = 0;  ///< 0; where a seam runs along the chain: 1 its copy on the left, 2 on the right
 
   bool is_region() const { return vertex.empty(); }
 };

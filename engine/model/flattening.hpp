@@ -55,19 +55,20 @@ struct ConstraintOutcome {
   std::vector<std::string> features = {};
   std::vector<std::array<Index, 2>> edges = {};  ///< of relations between edges
   std::vector<Index> pinned = {};                ///< of a pin, its vertices as in the file
-  int side = 0;                             ///< of a seam: 1 left of the feature, 2 right
-  double residual = 0;      ///< DESIGN 3.8, on the final coordinates; relations: degrees
-  double residual_abs = 0;  ///< the same in mesh units (relations: in degrees)
-  std::optional<double> scale = {};        ///< of the template in the plane
-  std::optional<double> orientation = {};  ///< of the template, degrees; of a line its direction
-  std::optional<double> degrees = {};      ///< of a relation: the angle from the first to the second, as chosen
-  std::vector<Vec2> shape = {};            ///< the template at scale 1, mesh units; empty: none
+  int side = 0;                                  ///< of a seam: 1 left of the feature, 2 right
+  double residual = 0;                           ///< DESIGN 3.8, on the final coordinates; relations: degrees
+  double residual_abs = 0;                       ///< the same in mesh units (relations: in degrees)
+  std::optional<double> scale = {};              ///< of the template in the plane
+  std::optional<double> orientation = {};        ///< of the template, degrees; of a line its direction
+  std::optional<double> degrees = {};  ///< of a relation: the angle from the first to the second, as chosen
+  std::vector<Vec2> shape = {};        ///< the template at scale 1, mesh units; empty: none
   bool mirrored = false;
-  bool chirality_open = false;    ///< the surface did not tell which way round; the better one was taken
-  std::optional<double> planarity = {};  ///< farthest vertex from its plane, mesh units; of a region: worst stretch - 1
-  double mismatch = 0;            ///< by how much it yielded to features of higher rank, mesh units
-  std::vector<Index> yielded = {};     ///< vertices where it did
-  bool keeps_order = true;        ///< of a line: no edge runs backwards
+  bool chirality_open = false;  ///< the surface did not tell which way round; the better one was taken
+  std::optional<double> planarity =
+      {};               ///< farthest vertex from its plane, mesh units; of a region: worst stretch - 1
+  double mismatch = 0;  ///< by how much it yielded to features of higher rank, mesh units
+  std::vector<Index> yielded = {};  ///< vertices where it did
+  bool keeps_order = true;          ///< of a line: no edge runs backwards
 };
 
 /// What constraints left free, and what the solver made of it.
@@ -92,7 +93,7 @@ struct Flattening {
   bool converged = false;
   double gradient = 0;  ///< of the last iterate
   double holonomy_residual =
-      0;  ///< largest residual of the rotation rows, radians (0 where none were solved)
+      0;                        ///< largest residual of the rotation rows, radians (0 where none were solved)
   ConstraintFacts constraints;  ///< empty where there are none
   std::vector<StepTime> timings;
   int threads = 1;

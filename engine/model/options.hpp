@@ -15,9 +15,10 @@ struct FlattenOptions {
   Init init = Init::Uniform;
   double tolerance = 1e-6;   ///< of the gradient (DESIGN 3.5), > 0
   int max_iterations = 500;  ///< local/global steps after the first global solve, >= 0
-  bool keep_directions = false;  ///< features keep the directions of the first rotations: no refit (the paper)
-  bool normalize = false;    ///< scale and move uv into the unit square
-  int threads = 0;           ///< 0: the arena of the calling thread
+  bool keep_directions =
+      false;               ///< features keep the directions of the first rotations: no refit (the paper)
+  bool normalize = false;  ///< scale and move uv into the unit square
+  int threads = 0;         ///< 0: the arena of the calling thread
 };
 
 }  // namespace planish

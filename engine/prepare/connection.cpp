@@ -21,8 +21,8 @@ RotationRows rotation_rows(const Topology& topology, In<Index> corner_vertex, In
   RotationRows rows;
   rows.vertex_node.resize(num_vertices);
   rows.target.assign(num_vertices, 0);
-  rows.outer_loop = outer_loop.empty() ? outer_loops(topology)
-                                       : std::vector<Index>(outer_loop.begin(), outer_loop.end());
+  rows.outer_loop =
+      outer_loop.empty() ? outer_loops(topology) : std::vector<Index>(outer_loop.begin(), outer_loop.end());
   for (Index v = 0; v < num_vertices; ++v) {
     rows.vertex_node[v] = v;
     rows.target[v] = 2 * kPi - angle_sum[v];

@@ -1,7 +1,7 @@
 #include "engine/solve/border.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
+#include <Eigen/Cholesky>
 
 namespace planish {
 
@@ -59,7 +59,8 @@ Result<BorderedPhase> BorderedPhase::factor(const Exec& exec, const GlobalPhase&
   return BorderedPhase(std::move(parts));
 }
 
-void BorderedPhase::solve(const Exec& exec, In<Vec2> rhs, In<double> rhs_border, Out<Vec2> x, Out<double> y) const {
+void BorderedPhase::solve(const Exec& exec, In<Vec2> rhs, In<double> rhs_border, Out<Vec2> x,
+                          Out<double> y) const {
   const Parts& p = *parts_;
   if (p.half.empty()) return p.inner->solve(exec, rhs, x);
   std::vector<Vec2> half(rhs.size());

@@ -38,12 +38,16 @@ constexpr double kStaleTurn = 0.05;
 class Iteration {
  public:
   Iteration(const Exec& exec, const ArapProblem& problem)
-      : exec_(exec), problem_(problem), local_(exec, problem.energy), quasi_newton_(exec, kQuasiNewtonMemory) {}
+      : exec_(exec),
+        problem_(problem),
+        local_(exec, problem.energy),
+        quasi_newton_(exec, kQuasiNewtonMemory) {}
 
   /// The first global step, for the first rotations.
   Result<void> start() {
     x_ = problem_.first->origin();
     if (auto used = use(*problem_.first); !used) return used;
+    dof_->expand(x_);
     local_.evaluate_rotations(vertices(x_), problem_.rotation, vertices(force_));
     dof_->fold(force_);
     solve();
@@ -61,7 +65,8 @@ class Iteration {
     dof_ = &dof;
     x_.resize(dof.size());
     dof.rebase(x_);
-    for (std::vector<Vec2>* column : {&force_, &descent_, &direction_, &x_before_, &force_before_, &descent_before_})
+    for (std::vector<Vec2>* column :
+         {&force_, &descent_, &direction_, &x_before_, &force_before_, &descent_before_})
       column->resize(dof.size());
     return refresh();
   }
@@ -155,7 +160,8 @@ class Iteration {
     const Index nodes = dof_->num_nodes(), border = dof_->num_border();
     std::vector<double> in_border(border), out_border(border);
     for (Index k = 0; k < border; ++k) in_border[k] = force_[nodes + k].x;
-    bordered_->solve(exec_, In<Vec2>(force_).first(nodes), in_border, Out<Vec2>(descent_).first(nodes), out_border);
+    bordered_->solve(exec_, In<Vec2>(force_).first(nodes), in_border, Out<Vec2>(descent_).first(nodes),
+                     out_border);
     for (Index k = 0; k < border; ++k) descent_[nodes + k] = {out_border[k], 0};
     exec_.for_blocks(static_cast<Index>(descent_.size()), kBlock, [&](Index, Range r) {
       for (Index v = r.begin; v < r.end; ++v) descent_[v] = -descent_[v];

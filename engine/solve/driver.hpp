@@ -3,11 +3,11 @@
 
 #include <vector>
 
+#include "engine/constraints/dof_map.hpp"
 #include "engine/model/error.hpp"
 #include "engine/model/flattening.hpp"
 #include "engine/model/monitor.hpp"
 #include "engine/model/options.hpp"
-#include "engine/constraints/dof_map.hpp"
 #include "engine/solve/global_phase.hpp"
 #include "engine/solve/local_phase.hpp"
 

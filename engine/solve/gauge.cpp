@@ -173,8 +173,8 @@ void lay_out(const PlacedComponents& components, Out<Vec2> uv) {
     right = std::max(right, x - gap);
   }
   const bool any_pinned = order.size() < box.size();
-  const Vec2 corner = any_pinned ? Vec2{-(pinned.upper.x + gap), -pinned.upper.y}
-                                 : Vec2{0.5 * right, 0.5 * (y - row_height)};
+  const Vec2 corner =
+      any_pinned ? Vec2{-(pinned.upper.x + gap), -pinned.upper.y} : Vec2{0.5 * right, 0.5 * (y - row_height)};
   move_components(component, uv,
                   [&](Index k, Vec2 z) { return components.pinned[k] ? z : z + shift[k] - corner; });
 }

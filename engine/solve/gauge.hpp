@@ -7,9 +7,9 @@ namespace planish {
 
 /// The components of a map, and what constraints have decided about their places.
 struct PlacedComponents {
-  In<Index> of;                ///< [V] component of each vertex
-  In<std::uint8_t> directed;   ///< per component: 1 where it must not be turned
-  In<std::uint8_t> pinned;     ///< per component: 1 where it must not be moved at all
+  In<Index> of;               ///< [V] component of each vertex
+  In<std::uint8_t> directed;  ///< per component: 1 where it must not be turned
+  In<std::uint8_t> pinned;    ///< per component: 1 where it must not be moved at all
   Index size() const { return static_cast<Index>(directed.size()); }
 };
 

@@ -91,7 +91,8 @@ std::vector<Vec2> closest_rotations(const Exec& exec, const StartInput& input, I
 
 }  // namespace
 
-Result<std::vector<Vec2>> harmonic_rotations(const Exec& exec, const StartInput& input, In<Index> outer_loop) {
+Result<std::vector<Vec2>> harmonic_rotations(const Exec& exec, const StartInput& input,
+                                             In<Index> outer_loop) {
   const FlooredWeights floored(exec, input);
   auto uv = harmonic_map(exec, input, outer_loop, std::cref(floored));
   if (!uv) return fail(uv.error());
