@@ -19,7 +19,7 @@ struct StartInput {
   In<double> cotangent;
   In<double> angle_sum;  ///< [V]
   In<Index> order;       ///< fill-reducing order of the vertices
-  In<Index> outer_loop;  ///< per component; empty: the longest of its loops
+  In<Index> outer_loop = {};  ///< per component; empty: the longest of its loops
 };
 
 struct Start {
