@@ -18,8 +18,52 @@ struct RowEntry {
   Vec2 value;
 };
 
+/// Rows of Y that have entries in many columns, real and imaginary parts below one another, dense.
+constexpr std::size_t kDenseRow = 48;
+constexpr Eigen::Index kDenseRows = 512;  // gathered before they are multiplied
+constexpr Index kColumnBlock = 128;
+
+class Products {
+ public:
+  Products(const Exec& exec, Eigen::MatrixXd& schur) : exec_(exec), schur_(schur), dense_(kDenseRows, schur.cols()) {}
+
+  void add(In<RowEntry> row) {
+    if (row.size() >= kDenseRow) return add_dense(row);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      for (std::size_t j = i; j < row.size(); ++j)
+        schur_(row[j].column, row[i].column) -= dot(row[i].value, row[j].value);
+    }
+  }
+
+  void flush() {
+    const auto rows = dense_.topRows(filled_);
+    exec_.for_blocks(static_cast<Index>(schur_.cols()), kColumnBlock, [&](Index, Range r) {
+      const Eigen::Index below = schur_.cols() - r.begin;
+      schur_.block(r.begin, r.begin, below, r.end - r.begin).noalias() -=
+          rows.rightCols(below).transpose() * rows.middleCols(r.begin, r.end - r.begin);
+    });
+    filled_ = 0;
+  }
+
+ private:
+  void add_dense(In<RowEntry> row) {
+    if (filled_ + 2 > kDenseRows) flush();
+    dense_.middleRows(filled_, 2).setZero();
+    for (const RowEntry& e : row) {
+      dense_(filled_, e.column) = e.value.x;
+      dense_(filled_ + 1, e.column) = e.value.y;
+    }
+    filled_ += 2;
+  }
+
+  const Exec& exec_;
+  Eigen::MatrixXd& schur_;
+  Eigen::MatrixXd dense_;
+  Eigen::Index filled_ = 0;
+};
+
 /// Lower triangle of Re(Y^H Y), row by row of Y: columns that have no row in common cost nothing.
-void subtract_products(const std::vector<SparseColumn>& half, Eigen::MatrixXd& schur) {
+void subtract_products(const Exec& exec, const std::vector<SparseColumn>& half, Eigen::MatrixXd& schur) {
   std::vector<RowEntry> entries;
   for (std::size_t k = 0; k < half.size(); ++k) {
     for (std::size_t i = 0; i < half[k].row.size(); ++i)
@@ -27,13 +71,12 @@ void subtract_products(const std::vector<SparseColumn>& half, Eigen::MatrixXd& s
   }
   std::stable_sort(entries.begin(), entries.end(),
                    [](const RowEntry& a, const RowEntry& b) { return a.row < b.row; });
+  Products products(exec, schur);
   for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
     while (end < entries.size() && entries[end].row == entries[begin].row) ++end;
-    for (std::size_t i = begin; i < end; ++i) {
-      for (std::size_t j = i; j < end; ++j)
-        schur(entries[j].column, entries[i].column) -= dot(entries[i].value, entries[j].value);
-    }
+    products.add(In<RowEntry>(entries).subspan(begin, end - begin));
   }
+  products.flush();
 }
 
 }  // namespace
@@ -52,7 +95,7 @@ Result<BorderedPhase> BorderedPhase::factor(const Exec& exec, const GlobalPhase&
   parts->half = inner.forward(exec, columns);
   const auto m = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd schur = Eigen::Map<const Eigen::MatrixXd>(corner.data(), m, m);
-  subtract_products(parts->half, schur);
+  subtract_products(exec, parts->half, schur);
   parts->schur.compute(schur);
   if (parts->schur.info() != Eigen::Success)
     return fail(ErrorCode::FactorizationFailed, "the border of the system is not positive definite");

@@ -202,6 +202,21 @@ void GlobalPhase::backward(const Exec& exec, Out<Vec2> half, Out<Vec2> x) const 
   });
 }
 
+namespace {
+
+Vec2 times_i(Vec2 z) { return {-z.y, z.x}; }
+
+/// Free complex unknowns give pairs of columns, the second i times the first.
+bool is_i_times(const SparseColumn& second, const SparseColumn& first) {
+  if (second.row != first.row) return false;
+  for (std::size_t i = 0; i < first.value.size(); ++i) {
+    if (second.value[i] != times_i(first.value[i])) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 std::vector<SparseColumn> GlobalPhase::forward(const Exec& exec, const std::vector<SparseColumn>& rhs) const {
   constexpr Index kMostTasks = 16;  // each has a workspace of the size of the whole
   const SupernodalFactor f = factor_->view();
@@ -213,6 +228,11 @@ std::vector<SparseColumn> GlobalPhase::forward(const Exec& exec, const std::vect
   exec.for_blocks(num_columns, std::max(1, columns_a_task), [&](Index, Range r) {
     std::vector<Vec2> workspace(place.size());
     for (Index k = r.begin; k < r.end; ++k) {
+      if (k > r.begin && is_i_times(rhs[k], rhs[k - 1])) {
+        result[k] = result[k - 1];
+        for (Vec2& z : result[k].value) z = times_i(z);
+        continue;
+      }
       SparseColumn permuted = rhs[k];
       for (Index& row : permuted.row) row = place[row];
       result[k] = factor_->tree.forward(f, permuted, workspace);
