@@ -24,6 +24,7 @@ struct CommonArgs {
 struct FlattenArgs {
   std::string mesh, constraints, output, report, picture, flat;
   bool repair = false;
+  bool price = false, dry_run = false;
   CutMode cut = CutMode::None;
   FlattenOptions options;
 };

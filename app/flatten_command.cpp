@@ -9,6 +9,7 @@
 #include "engine/cut.hpp"
 #include "engine/features/parted.hpp"
 #include "engine/flatten.hpp"
+#include "engine/price.hpp"
 #include "io/file.hpp"
 #include "io/mesh_files.hpp"
 #include "io/picture.hpp"
@@ -33,9 +34,7 @@ class FlattenCommand {
                           {args_.report, {}}})
         .and_then([&] { return read(); })
         .and_then([&] { return open(); })
-        .and_then([&] { return solve(); })
-        .and_then([&] { return write(); })
-        .map([&] { return conclude(); });
+        .and_then([&] { return args_.dry_run ? look_ahead() : solve_and_write(); });
   }
 
  private:
@@ -66,12 +65,48 @@ class FlattenCommand {
     return {};
   }
 
+  Result<int> solve_and_write() {
+    return solve().and_then([&] { return find_price(); }).and_then([&] { return write(); }).map([&] {
+      return conclude();
+    });
+  }
+
+  /// Contradictions, unknowns and memory; nothing is solved or written.
+  Result<int> look_ahead() {
+    if (!args_.output.empty() || !args_.flat.empty() || !args_.picture.empty() || !args_.report.empty() ||
+        args_.price)
+      return fail(ErrorCode::BadUsage,
+                  "--dry-run solves and writes nothing: leave out the outputs and --price");
+    const auto planned = plan(flat_surface(), constraints(), args_.options, monitor_);
+    if (!planned) return fail(placed(planned.error()));
+    progress_.finish();
+    const ConstraintFacts& facts = planned->facts;
+    fmt::print(
+        "{} triangles, {} unknown positions; {} features of prescribed shape in {} assemblies and {} "
+        "clusters, {} free scales, directions and places\n",
+        planned->mesh.triangles, planned->unknowns, facts.bodies, facts.assemblies, facts.clusters,
+        facts.border_unknowns);
+    fmt::print("no contradiction found; factor of {} entries, about {:.2f} GB of memory\n",
+               facts.factor_nonzeros, static_cast<double>(planned->memory_bytes) * 1e-9);
+    return 0;
+  }
+
+  Result<void> find_price() {
+    if (!args_.price) return {};
+    auto found = price(flat_surface(), constraints(), flattening_, args_.options, monitor_);
+    if (!found) return fail(placed(found.error()));
+    price_ = std::move(*found);
+    return {};
+  }
+
+  /// With the file at fault.
+  Error placed(const Error& error) const {
+    return in_file(error, error.place.pointer.empty() ? args_.mesh : args_.constraints);
+  }
+
   Result<void> solve() {
     auto result = flatten(flat_surface(), constraints(), args_.options, monitor_);
-    if (!result) {
-      const bool of_constraint = !result.error().place.pointer.empty();
-      return fail(in_file(result.error(), of_constraint ? args_.constraints : args_.mesh));
-    }
+    if (!result) return fail(placed(result.error()));
     flattening_ = std::move(*result);
     if (cut_) {
       for (ConstraintOutcome& outcome : flattening_.constraints.outcome) {
@@ -182,15 +217,17 @@ class FlattenCommand {
     if (args_.report.empty()) return {};
     std::optional<CutFacts> facts;
     if (cut_) facts = {.cut_edges = cut_->edges, .cut_length = cut_->length, .charts = cut_->charts};
-    return write_file(args_.report, report_json(flattening_,
-                                                {.input = args_.mesh,
-                                                 .command = common_.command_line,
-                                                 .mendings = featured_.input.mendings,
-                                                 .warnings = warnings_,
-                                                 .extra_timings = stopwatch_.times(),
-                                                 .peak_memory_bytes = peak_memory_bytes()},
-                                                featured_.embedding ? &*featured_.embedding : nullptr,
-                                                facts ? &*facts : nullptr));
+    return write_file(args_.report,
+                      report_json(flattening_,
+                                  {.input = args_.mesh,
+                                   .command = common_.command_line,
+                                   .mendings = featured_.input.mendings,
+                                   .warnings = warnings_,
+                                   .extra_timings = stopwatch_.times(),
+                                   .peak_memory_bytes = peak_memory_bytes()},
+                                  {.embedding = featured_.embedding ? &*featured_.embedding : nullptr,
+                                   .cut = facts ? &*facts : nullptr,
+                                   .price = price_ ? &*price_ : nullptr}));
   }
 
   int conclude() {
@@ -230,6 +267,19 @@ class FlattenCommand {
     fmt::print("{} constraints met, the worst is \"{}\" with residual {:.2e}{}\n",
                flattening_.constraints.outcome.size(), worst->name, worst->residual,
                worst->degrees ? " degrees" : "");
+    if (price_) say_price();
+  }
+
+  void say_price() const {
+    fmt::print("arap {:.6e} with all constraints, {:.6e} without any, {:.6e} without refit of directions\n",
+               price_->energy, price_->unconstrained, price_->without_refit);
+    for (const ConstraintPrice& item : price_->constraints) {
+      if (item.reason.empty()) {
+        fmt::print("  {:<30} costs {:.3e}\n", item.name, item.cost);
+      } else {
+        fmt::print("  {:<30} cannot be left out: {}\n", item.name, item.reason);
+      }
+    }
   }
 
   /// Lines whose vertices do not follow one another any more.
@@ -245,6 +295,7 @@ class FlattenCommand {
   }
 
   void say_not_converged() const {
+    if (args_.options.paper) return;  // it ends where no triangle is flipped, and flips are said
     fmt::print(
         stderr,
         "planish: {}: the tolerance {:g} was not met, the gradient is {:.3g} after {} iterations; {}\n",
@@ -265,6 +316,7 @@ class FlattenCommand {
   std::vector<Feature> parted_;  // on the opened surface
   std::vector<std::string> warnings_;
   Flattening flattening_;
+  std::optional<Price> price_;
 };
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "engine/solve/gauge.hpp"
 #include "engine/solve/laplacian.hpp"
 #include "engine/solve/start.hpp"
+#include "engine/solve/weighted_steps.hpp"
 #include "engine/verify/certificate.hpp"
 #include "engine/verify/overlaps.hpp"
 
@@ -243,7 +244,7 @@ class Run {
     auto first = system_->dof_map(true);
     if (!first) return fail(first.error());
     first_dof_ = std::move(*first);
-    if (!options_.keep_directions) {
+    if (!options_.keep_directions && !options_.paper) {
       auto free = system_->dof_map(false);
       if (!free) return fail(free.error());
       dof_ = std::move(*free);
@@ -345,10 +346,16 @@ class Run {
             .constrained = system_ != nullptr};
   }
 
+  Result<Minimum> minimum_of(const ArapProblem& arap) const {
+    if (!options_.paper) return minimise_arap(exec_, arap, options_, monitor_);
+    const std::vector<std::uint8_t> settled =
+        system_ ? system_->triangles_at_features() : std::vector<std::uint8_t>();
+    return weighted_global_steps(exec_, arap, settled, options_, monitor_);
+  }
+
   Result<void> minimise() {
     return timed(Phase::LocalGlobal, [&]() -> Result<void> {
-      auto minimum = minimise_arap(exec_, problem(*global_, nodes_, *first_dof_, dof_ ? *dof_ : *first_dof_),
-                                   options_, monitor_);
+      auto minimum = minimum_of(problem(*global_, nodes_, *first_dof_, dof_ ? *dof_ : *first_dof_));
       if (!minimum) return fail(minimum.error());
       global_.reset();
       uv_ = std::move(minimum->uv);

@@ -156,6 +156,22 @@ void add_constraints(Json& report, const ConstraintFacts& facts) {
                            {"factor_nonzeros", facts.factor_nonzeros}};
 }
 
+void add_price(Json& report, const Price& price) {
+  Json items = Json::array();
+  for (const ConstraintPrice& item : price.constraints) {
+    const bool known = item.reason.empty();
+    Json json = {{"name", item.name},
+                 {"energy_without", known ? number(item.energy_without) : Json(nullptr)},
+                 {"cost", known ? number(item.cost) : Json(nullptr)}};
+    if (!known) json["reason"] = item.reason;
+    items.push_back(std::move(json));
+  }
+  report["price"] = {{"energy", number(price.energy)},
+                     {"unconstrained", number(price.unconstrained)},
+                     {"without_refit", number(price.without_refit)},
+                     {"constraints", std::move(items)}};
+}
+
 void add_cut(Json& report, const CutFacts& cut) {
   report["cut"] = {
       {"cut_edges", cut.cut_edges}, {"cut_length", number(cut.cut_length)}, {"charts", cut.charts}};
@@ -174,13 +190,14 @@ std::string written(const Json& json) {
 }  // namespace
 
 std::string report_json(const Flattening& flattening, const ReportContext& context,
-                        const Embedding* embedding, const CutFacts* cut) {
+                        const ReportParts& parts) {
   Json report = head(context);
   report["mesh"] = mesh_facts(flattening.mesh);
-  if (embedding != nullptr) add_embedding(report, *embedding);
-  if (cut != nullptr) add_cut(report, *cut);
+  if (parts.embedding != nullptr) add_embedding(report, *parts.embedding);
+  if (parts.cut != nullptr) add_cut(report, *parts.cut);
   if (flattening.constraints.bodies > 0 || !flattening.constraints.outcome.empty())
     add_constraints(report, flattening.constraints);
+  if (parts.price != nullptr) add_price(report, *parts.price);
   add_certificate(report, flattening.certificate);
   add_iteration(report, flattening);
   report["timings_s"] = timings(flattening.timings, context.extra_timings);

@@ -7,6 +7,7 @@
 
 #include "engine/model/embedding.hpp"
 #include "engine/model/flattening.hpp"
+#include "engine/model/price.hpp"
 #include "engine/prepare/repair.hpp"
 #include "engine/prepare/validate.hpp"
 
@@ -29,9 +30,16 @@ struct CutFacts {
   Index charts = 0;       ///< components after the cut
 };
 
-/// Of `flatten`; without an embedding or a cut the report lacks their parts.
+/// What a report of flatten has beside the map, where there is such.
+struct ReportParts {
+  const Embedding* embedding = nullptr;
+  const CutFacts* cut = nullptr;
+  const Price* price = nullptr;
+};
+
+/// Of `flatten`.
 std::string report_json(const Flattening& flattening, const ReportContext& context,
-                        const Embedding* embedding = nullptr, const CutFacts* cut = nullptr);
+                        const ReportParts& parts = {});
 
 /// Of `embed`: a report without a flattening.
 std::string embed_report_json(const Embedding& embedding, const ReportContext& context,

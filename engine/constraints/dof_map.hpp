@@ -35,6 +35,7 @@ class DofMap {
   DofMap(const NodeMap& nodes, const std::vector<Owner>& owners, const Assemblies& assemblies,
          std::unique_ptr<Poses> poses);
 
+  const NodeMap& nodes() const { return *nodes_; }
   Index num_vertices() const { return static_cast<Index>(nodes_->node.size()); }
   Index num_nodes() const { return nodes_->num_nodes; }
   Index num_border() const { return poses_ ? poses_->num_free() : 0; }

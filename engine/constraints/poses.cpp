@@ -256,8 +256,10 @@ Index Poses::smallest() const {
 
 double Poses::turned() const {
   double largest = 0;
-  for (std::size_t b = 0; b < base_angle_.size(); ++b)
+  for (std::size_t b = 0; b < base_angle_.size(); ++b) {
+    if (slots_[b].angle_slot == kNone) continue;
     largest = std::max(largest, std::abs(reduce_angle(angle(static_cast<Index>(b)) - base_angle_[b])));
+  }
   return largest;
 }
 

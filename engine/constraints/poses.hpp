@@ -80,7 +80,7 @@ class Poses {
   /// Makes the present poses the origin of the free coordinates.
   void set_base();
   Index num_free() const { return num_free_; }
-  /// Largest turn of a body since then, radians.
+  /// Largest turn since then of a body whose points depend on its direction's sine and cosine, radians.
   double turned() const;
   /// Poses at free coordinates [num_free] from the base; false, and the poses as they were, where the joints cannot be
   /// met there.

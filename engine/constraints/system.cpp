@@ -1,5 +1,7 @@
 #include "engine/constraints/system.hpp"
 
+#include "engine/features/one_ring.hpp"
+
 namespace planish {
 
 Result<std::unique_ptr<ConstraintSystem>> ConstraintSystem::make(const RestSurface& rest,
@@ -62,6 +64,22 @@ Result<std::unique_ptr<DofMap>> ConstraintSystem::dof_map(bool frozen) const {
     *poses = std::move(still);
   }
   return std::make_unique<DofMap>(nodes_, owners_, assemblies_, std::move(*poses));
+}
+
+std::vector<std::uint8_t> ConstraintSystem::triangles_at_features() const {
+  std::vector<std::uint8_t> at(rest_.frame.size(), 0);
+  for (const Body& body : compiled_.bodies) {
+    for (const Index t : body.triangle) at[t] = 1;
+    if (!body.has_edges()) continue;
+    for (std::size_t i = 0; i < body.num_edges(); ++i) {
+      const Index u = body.vertex[i], v = body.vertex[(i + 1) % body.vertex.size()];
+      for (const Index c : {half_edge(rest_.surface(), *rest_.topology, u, v),
+                            half_edge(rest_.surface(), *rest_.topology, v, u)}) {
+        if (c != kNone) at[c / 3] = 1;
+      }
+    }
+  }
+  return at;
 }
 
 Result<void> ConstraintSystem::mirror(Index body) {

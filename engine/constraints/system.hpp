@@ -34,6 +34,9 @@ class ConstraintSystem {
   /// Fails: ConstraintsConflict where joints do not close.
   Result<std::unique_ptr<DofMap>> dof_map(bool frozen) const;
 
+  /// [T] 1 for triangles that have an edge of a feature or belong to a region: the paper's local phase leaves them.
+  std::vector<std::uint8_t> triangles_at_features() const;
+
   /// Of each constraint, residuals measured on coordinates.
   ///   uv [V] of the ordered mesh, mesh units, placed as they will be written;  poses: those of the solution
   std::vector<ConstraintOutcome> outcomes(In<Vec2> uv, const Poses& poses) const;

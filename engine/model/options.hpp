@@ -15,10 +15,12 @@ struct FlattenOptions {
   Init init = Init::Uniform;
   double tolerance = 1e-6;   ///< of the gradient (DESIGN 3.5), > 0
   int max_iterations = 500;  ///< local/global steps after the first global solve, >= 0
-  bool keep_directions =
-      false;               ///< features keep the directions of the first rotations: no refit (the paper)
-  bool normalize = false;  ///< scale and move uv into the unit square
-  int threads = 0;         ///< 0: the arena of the calling thread
+  /// The paper's own variant: directions of features as the first rotations have them, flipped triangles weigh more from
+  /// global step to global step until none is left, triangles at features keep their first rotations.
+  bool paper = false;
+  bool keep_directions = false;  ///< features keep the directions of the first rotations: no refit
+  bool normalize = false;        ///< scale and move uv into the unit square
+  int threads = 0;               ///< 0: the arena of the calling thread
 };
 
 }  // namespace planish

@@ -33,7 +33,7 @@ bool promises_long_way(const std::vector<Iterate>& history, double tolerance) {
 }
 
 /// A turn of a body by more makes the metric's border stale, radians.
-constexpr double kStaleTurn = 0.05;
+constexpr double kStaleTurn = 0.15;
 
 class Iteration {
  public:

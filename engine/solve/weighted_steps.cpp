@@ -1,0 +1,145 @@
+#include "engine/solve/weighted_steps.hpp"
+
+#include <algorithm>
+
+#include "kernels/exact/orient2.hpp"
+#include "kernels/local/proxy.hpp"
+
+namespace planish {
+namespace {
+
+class WeightedSteps {
+ public:
+  WeightedSteps(const Exec& exec, const ArapProblem& problem, In<std::uint8_t> settled)
+      : exec_(exec),
+        problem_(problem),
+        settled_(settled),
+        dof_(*problem.first),
+        local_(exec, problem.energy),
+        rotation_(problem.rotation.begin(), problem.rotation.end()),
+        cotangent_(problem.energy.cotangent.begin(), problem.energy.cotangent.end()),
+        x_(dof_.origin()),
+        force_(dof_.size()),
+        change_(dof_.size()) {}
+
+  /// The minimiser for the present rotations and weights.
+  Result<void> step() {
+    auto global = GlobalPhase::factor(laplacian(), whole_order());
+    if (!global) return fail(global.error());
+    dof_.rebase(x_);
+    const DofMap::Border border = dof_.border(corner_vertex(), *problem_.topology, weight());
+    auto bordered = BorderedPhase::factor(exec_, *global, border.column, border.corner);
+    if (!bordered) return fail(bordered.error());
+    if (!dof_.expand(x_)) return fail(ErrorCode::InternalDefect, "poses leave their joints");
+    evaluate_rotations();
+    const Index nodes = dof_.num_nodes(), num_border = dof_.num_border();
+    std::vector<double> in_border(num_border), out_border(num_border);
+    for (Index k = 0; k < num_border; ++k) in_border[k] = force_[nodes + k].x;
+    bordered->solve(exec_, In<Vec2>(force_).first(nodes), in_border, Out<Vec2>(change_).first(nodes),
+                    out_border);
+    for (Index k = 0; k < num_border; ++k) change_[nodes + k] = {out_border[k], 0};
+    for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = x_[i] - change_[i];
+    if (!dof_.expand(x_)) return fail(ErrorCode::InternalDefect, "poses leave their joints");
+    return {};
+  }
+
+  /// Doubles the weights of flipped triangles; their number.
+  Index weigh() {
+    Index flipped = 0;
+    for (Index t = 0; t < problem_.energy.num_triangles(); ++t) {
+      const auto z = image(t);
+      if (orient2(z[0], z[1], z[2]) > 0) continue;
+      ++flipped;
+      for (Index c = 3 * t; c < 3 * t + 3; ++c) cotangent_[c] *= 2;
+    }
+    return flipped;
+  }
+
+  void rotate() {
+    exec_.for_blocks(problem_.energy.num_triangles(), kBlock, [&](Index, Range r) {
+      for (Index t = r.begin; t < r.end; ++t) {
+        if (!settled_.empty() && settled_[t]) continue;
+        rotation_[t] =
+            closest_rotation(image(t), &problem_.energy.cotangent[3 * t], problem_.energy.frame[t]);
+      }
+    });
+  }
+
+  /// Unweighted, per area.
+  double energy() {
+    return local_.evaluate(In<Vec2>(x_).first(dof_.num_vertices()),
+                           Out<Vec2>(force_).first(dof_.num_vertices())) /
+           problem_.energy.area;
+  }
+
+  std::vector<Vec2> take_uv() {
+    x_.resize(dof_.num_vertices());
+    return std::move(x_);
+  }
+
+ private:
+  In<Index> corner_vertex() const { return problem_.energy.corner_vertex; }
+
+  std::array<Vec2, 3> image(Index t) const {
+    return {x_[corner_vertex()[3 * t]], x_[corner_vertex()[3 * t + 1]], x_[corner_vertex()[3 * t + 2]]};
+  }
+
+  EdgeWeight weight() const {
+    return [this](Index c) {
+      const Index twin = problem_.topology->corner_twin[c];
+      return 0.5 * (cotangent_[previous_corner(c)] + (twin == kNone ? 0 : cotangent_[previous_corner(twin)]));
+    };
+  }
+
+  SymmetricMatrix laplacian() const {
+    return quotient_laplacian(exec_, corner_vertex(), *problem_.topology, dof_.nodes().node, dof_.num_nodes(),
+                              weight());
+  }
+
+  std::vector<Index> whole_order() const {
+    std::vector<Index> order(problem_.order.begin(), problem_.order.end());
+    for (auto node = static_cast<Index>(order.size()); node < dof_.num_nodes(); ++node) order.push_back(node);
+    return order;
+  }
+
+  void evaluate_rotations() {
+    ArapEnergy weighted = problem_.energy;
+    weighted.cotangent = cotangent_;
+    LocalPhase(exec_, weighted)
+        .evaluate_rotations(In<Vec2>(x_).first(dof_.num_vertices()), rotation_,
+                            Out<Vec2>(force_).first(dof_.num_vertices()));
+    dof_.fold(force_);
+  }
+
+  const Exec& exec_;
+  const ArapProblem& problem_;
+  In<std::uint8_t> settled_;
+  DofMap& dof_;
+  LocalPhase local_;
+  std::vector<Vec2> rotation_;
+  std::vector<double> cotangent_;  // weighted
+  std::vector<Vec2> x_, force_, change_;
+};
+
+}  // namespace
+
+Result<Minimum> weighted_global_steps(const Exec& exec, const ArapProblem& problem, In<std::uint8_t> settled,
+                                      const FlattenOptions& options, const Monitor& monitor) {
+  WeightedSteps steps(exec, problem, settled);
+  Minimum minimum;
+  minimum.gradient = kInfinity;
+  for (int k = 0;; ++k) {
+    if (auto done = steps.step(); !done) return fail(done.error());
+    minimum.history.push_back({k, steps.energy(), kInfinity});
+    const Progress progress{Phase::LocalGlobal, k, minimum.history.back().energy, kInfinity};
+    if (monitor && monitor(progress) == Verdict::Stop)
+      return fail(ErrorCode::Cancelled, "stopped by the caller");
+    minimum.converged = steps.weigh() == 0;
+    if (minimum.converged || k == options.max_iterations) break;
+    steps.rotate();
+  }
+  minimum.uv = steps.take_uv();
+  return minimum;
+}
+
+}  // namespace planish
