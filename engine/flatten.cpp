@@ -250,6 +250,7 @@ class Run {
       dof_ = std::move(*free);
     }
     take_rotations(*system_);
+    if (auto few = check_border(*(dof_ ? dof_ : first_dof_)); !few) return few;
     result_.holonomy_residual = system_->holonomy_residual();
     result_.constraints.bodies = static_cast<Index>(system_->compiled().bodies.size());
     result_.constraints.assemblies = system_->assemblies().size();
@@ -257,6 +258,16 @@ class Run {
     result_.constraints.border_unknowns = (dof_ ? *dof_ : *first_dof_).num_border();
     result_.constraints.factor_nonzeros = global_->factor_nonzeros();
     return {};
+  }
+
+  /// The border is dense: more unknowns than this do not fit.
+  static Result<void> check_border(const DofMap& dof) {
+    constexpr Index kMostBorderUnknowns = 20'000;
+    if (dof.num_border() <= kMostBorderUnknowns) return {};
+    return fail(ErrorCode::TooLarge,
+                "constraints leave " + std::to_string(dof.num_border()) +
+                    " scales, directions and places along lines free, 20000 are allowed; keep or "
+                    "scale the lengths of long lines");
   }
 
   void take_rotations(const ConstraintSystem& system) {
@@ -431,6 +442,7 @@ class Run {
       plan_.facts.assemblies = system_->assemblies().size();
       plan_.facts.clusters = system_->orientation().clusters.size();
       plan_.facts.border_unknowns = (*dof)->num_border();
+      if (auto few = check_border(**dof); !few) return few;
     }
     constexpr Offset kBytesATriangle = 480;  // columns of the mesh and of the iteration, measured
     plan_.memory_bytes = kBytesATriangle * mesh().num_triangles() + 2 * 8 * *nonzeros;

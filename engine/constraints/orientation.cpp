@@ -49,7 +49,6 @@ class Orienting {
 
   void mark_fixed() {
     const Surface surface = rest_.surface();
-    layout_.num_assemblies = assemblies_.size();
     layout_.assembly.assign(surface.position.size(), kNone);
     layout_.point.resize(surface.position.size());
     layout_.fixed_edge.assign(surface.corner_vertex.size(), 0);

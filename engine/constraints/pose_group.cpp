@@ -10,24 +10,20 @@ constexpr double kMet = 1e-14;        // residual that no step improves
 constexpr double kLargestTurn = 0.5;  // of a Newton step, radians or units of the mesh
 constexpr int kMostSteps = 60;
 
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Residuals and derivatives of a group's joints.
+struct JointEquations {
+  Eigen::VectorXd residual;
+  Rows derivative;
+};
+
 }  // namespace
 
 struct PoseGroup::Dense {
   Eigen::MatrixXd along, across;    // orthonormal: null space of the joints at the base, and what is left
   Eigen::VectorXd base;             // values at the base
   mutable Eigen::MatrixXd tangent;  // d slots / d y where the group was moved to last
-};
-
-namespace {
-
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-}  // namespace
-
-/// Residuals and derivatives of a group's joints.
-struct JointEquations {
-  Eigen::VectorXd residual;
-  Rows derivative;
 };
 
 namespace {
