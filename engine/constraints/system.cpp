@@ -1,6 +1,7 @@
 #include "engine/constraints/system.hpp"
 
 #include "engine/features/one_ring.hpp"
+#include "engine/constraints/pinned_triangles.hpp"
 
 namespace planish {
 
@@ -57,6 +58,11 @@ Result<std::unique_ptr<DofMap>> ConstraintSystem::dof_map(bool frozen) const {
   auto poses = closed_poses(compiled_, view_, *rest_.mesh, agreement_, assemblies_, orientation_.clusters,
                             orientation_.angle);
   if (!poses) return fail(poses.error());
+  if (has_pins()) {
+    (*poses)->set_base();
+    auto checked = check_pinned_triangles(rest_, view_, compiled_, owners_, assemblies_, **poses);
+    if (!checked) return fail(checked.error());
+  }
   if (frozen) {
     auto still =
         std::make_unique<Poses>(compiled_, agreement_, assemblies_, (*poses)->frozen(), orientation_.angle);
