@@ -23,7 +23,7 @@ Result<FeaturedMesh> read_featured(const Exec& exec, const std::string& mesh, co
     return {};
   });
   if (!read) return fail(read.error());
-  if (result.set.features.empty()) {
+  if (result.set.features.empty() && result.set.constraints.empty()) {
     result.mesh = result.input.mesh;
     return result;
   }

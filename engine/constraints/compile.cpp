@@ -109,7 +109,10 @@ class Compiler {
   Result<void> add(const PinConstraint& rule) {
     for (std::size_t i = 0; i < rule.vertex.size(); ++i) {
       const Vec2 uv = (1 / rest_.mesh->unit) * rule.uv[i];
-      for (const Index v : copies(rule.vertex[i])) {
+      const std::vector<Index> found = copies(rule.vertex[i]);
+      if (found.empty())
+        return invalid("vertex " + std::to_string(rule.vertex[i]) + " is part of no triangle");
+      for (const Index v : found) {
         const auto same = std::find_if(result_.pins.begin(), result_.pins.end(),
                                        [&](const Pin& p) { return p.vertex == v; });
         if (same == result_.pins.end()) {
@@ -205,8 +208,8 @@ class Compiler {
       }
     }
     if (result.empty()) {
-      return invalid("the edge " + std::to_string(edge[0]) + "-" + std::to_string(edge[1]) +
-                     " was cut by a feature; make a feature of it");
+      return invalid("the mesh has no edge " + std::to_string(edge[0]) + "-" + std::to_string(edge[1]) +
+                     "; if a feature cut it, make a feature of it");
     }
     return result;
   }
