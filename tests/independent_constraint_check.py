@@ -432,7 +432,7 @@ class Job:
     """The three files, and what constraints need to know of each other."""
 
     def __init__(self, constraints, flat, report):
-        self.flat, self.features, self.entries = flat, report["features"], report["constraints"]
+        self.flat, self.features, self.entries = flat, report.get("features", {}), report["constraints"]
         self.rules = {rule.get("name", default_name(rule)): rule for rule in constraints.get("constraints", [])}
         self.agreement = constraints.get("agreement", 1e-3)
         self.lines = {rule["feature"] for rule in self.rules.values() if rule["type"] == "line"}
