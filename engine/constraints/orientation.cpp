@@ -413,7 +413,10 @@ Result<std::unique_ptr<Poses>> closed_poses(const Compiled& compiled, const Cons
                                             In<double> angle) {
   auto poses = std::make_unique<Poses>(compiled, agreement, assemblies, clusters, angle);
   const auto gap = poses->close();
-  if (!gap && !is_collapsed(*poses)) return poses;
+  if (!gap && !is_collapsed(*poses)) {
+    poses->spread_along_lines();
+    return poses;
+  }
   const std::vector<Index> involved = with_relations(
       gap ? gap->constraints : constraints_around(poses->smallest(), compiled, assemblies), compiled);
   const auto fails = [&](const std::vector<std::uint8_t>& keep) {

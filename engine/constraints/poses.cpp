@@ -225,6 +225,25 @@ std::optional<Poses::Gap> Poses::close() {
   return worst;
 }
 
+void Poses::spread_along_lines() {
+  for (Index b = 0; b < static_cast<Index>(slots_.size()); ++b) {
+    const std::vector<Index>& tau = slots_[b].tau;
+    const std::vector<Vec2>& shape = compiled_->bodies[b].shape;
+    const auto is_held = [&](std::size_t i) { return tau[i] == kNone || slot_group_[tau[i]] != kNone; };
+    for (std::size_t first = 0; first < tau.size();) {
+      std::size_t last = first + 1;
+      while (last < tau.size() && !is_held(last)) ++last;
+      const double from = length_along(b, static_cast<Index>(first));
+      double ratio = 1;
+      if (last < tau.size())
+        ratio = (length_along(b, static_cast<Index>(last)) - from) / (shape[last].x - shape[first].x);
+      for (std::size_t i = first + 1; i < last; ++i)
+        value_[tau[i]] = from + ratio * (shape[i].x - shape[first].x);
+      first = last;
+    }
+  }
+}
+
 void Poses::adopt(const Poses& other) {
   for (Index b = 0; b < static_cast<Index>(slots_.size()); ++b) {
     const PoseSlots& s = slots_[b];

@@ -62,6 +62,9 @@ class Poses {
   /// Cost: cubic in the slots that joints tie together.
   std::optional<Gap> close();
 
+  /// Vertices along lines with free lengths that no joint holds, in proportion between those that joints have moved.
+  void spread_along_lines();
+
   /// Takes over the poses of the same bodies, laid out in other slots.
   void adopt(const Poses& other);
   /// Clusters that keep every body's direction as it is now.
