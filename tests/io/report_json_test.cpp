@@ -47,6 +47,35 @@ Flattening example() {
   return f;
 }
 
+/// Of each kind one: a line, a direction of an edge, an angle of features, a pin.
+Flattening constrained() {
+  Flattening f = example();
+  f.constraints = {.outcome = {},
+                   .bodies = 3,
+                   .assemblies = 2,
+                   .clusters = 1,
+                   .border_unknowns = 4,
+                   .factor_nonzeros = 1LL << 33};
+  f.constraints.outcome = {{.name = "straight sill",
+                            .type = "line",
+                            .features = {"sill"},
+                            .side = 2,
+                            .residual = 1e-16 / 3,
+                            .residual_abs = 1e-15,
+                            .scale = 0.1 + 0.2,
+                            .orientation = -90,
+                            .shape = {{-0.5, 0}, {0.5, 0}},
+                            .mirrored = false,
+                            .chirality_open = true,
+                            .planarity = 0.25,
+                            .mismatch = 1e-9,
+                            .yielded = {4, 6}},
+                           {.name = "d", .type = "direction", .edges = {{7, 8}}, .degrees = 45.0},
+                           {.name = "a", .type = "angle", .features = {"sill", "rim"}, .degrees = 30.0},
+                           {.name = "pin 3", .type = "pin", .pinned = {3}, .residual = 0.5}};
+  return f;
+}
+
 ReportContext context() {
   return {.input = "part.obj",
           .command = "planish flatten part.obj",
@@ -141,13 +170,40 @@ TEST_CASE("report_json: the report has the fields of its schema and no others") 
   for (const char* list : {"history", "repairs"}) check_keys(s["properties"][list]["items"], r[list][0]);
 }
 
-TEST_CASE("report_json: with features and a cut the report has all fields of its schema") {
+TEST_CASE("report_json: with features, constraints and a cut the report has all fields of its schema") {
   const Embedding e = embedding();
-  const json s = schema("report.schema.json"), r = json::parse(report_json(example(), context(), &e, &kCut));
+  const json s = schema("report.schema.json"),
+             r = json::parse(report_json(constrained(), context(), &e, &kCut));
   CHECK(keys(r) == keys(s["properties"]));
-  for (const char* part : {"embedding", "refinement", "cut"}) check_keys(s["properties"][part], r[part]);
+  for (const char* part : {"embedding", "refinement", "cut", "elimination"})
+    check_keys(s["properties"][part], r[part]);
   check_keys(s["$defs"]["chain"], r["features"]["sill"]);
   check_keys(s["$defs"]["region"], r["features"]["plate"]);
+}
+
+TEST_CASE("report_json: constraints have the fields of their kind in the schema") {
+  const json s = schema("report.schema.json")["$defs"],
+             r = json::parse(report_json(constrained(), context()));
+  const auto is_of = [&](const json& entry, const char* kind) {
+    CHECK(s[kind]["additionalProperties"] == false);
+    for (const std::string& name : required(s[kind])) CHECK_MESSAGE(entry.contains(name), name);
+    for (const std::string& name : keys(entry)) CHECK_MESSAGE(s[kind]["properties"].contains(name), name);
+  };
+  const json& entries = r["constraints"];
+  REQUIRE(entries.size() == 4);
+  is_of(entries[0], "shaped");
+  CHECK(keys(entries[0]) == keys(s["shaped"]["properties"]));
+  CHECK(entries[0]["scale"] == 0.1 + 0.2);
+  CHECK(entries[0]["residual"] == 1e-16 / 3);
+  CHECK(entries[0]["template"] == json({{-0.5, 0.0}, {0.5, 0.0}}));
+  CHECK(entries[0]["side"] == 2);
+  is_of(entries[1], "relation");
+  CHECK(entries[1]["edge"] == json({7, 8}));
+  is_of(entries[2], "relation");
+  CHECK(entries[2]["features"] == json({"sill", "rim"}));
+  is_of(entries[3], "pin");
+  CHECK(entries[3]["vertices"] == json::array({3}));
+  CHECK(r["elimination"]["factor_nonzeros"] == 1LL << 33);
 }
 
 TEST_CASE("report_json: features stand under their names, in order, with their numbers bit for bit") {
@@ -171,7 +227,8 @@ TEST_CASE("embed_report_json: the report has the fields of its kind in the schem
   for (const auto& [name, value] : s["$defs"]["embed"]["properties"].items()) {
     CHECK(value == false);
     CHECK(!r.contains(name));
-    CHECK(required(s["$defs"]["flatten"]).contains(name));
+    const bool of_constraints = name == "constraints" || name == "elimination";
+    CHECK(required(s["$defs"]["flatten"]).contains(name) != of_constraints);
   }
   const json cut = json::parse(embed_report_json(embedding(), context(), &kCut));
   CHECK(cut["cut"]["charts"] == 2);
