@@ -1,5 +1,7 @@
 #include "engine/constraints/pinned_triangles.hpp"
 
+#include <algorithm>
+
 #include "engine/constraints/vertex_bodies.hpp"
 #include "engine/features/feature_error.hpp"
 
@@ -75,18 +77,20 @@ Result<void> check_pinned_triangles(const RestSurface& rest, const ConstraintVie
                                     const Assemblies& assemblies, const Poses& poses) {
   const PinnedPlaces places(compiled, owners, assemblies, poses, rest.mesh->num_vertices());
   const std::vector<Index>& vertex = rest.mesh->corner_vertex;
-  OffendingIds turned;
-  std::vector<Index> constraints;
+  std::vector<Index> turned, constraints;
   for (std::size_t c = 0; c < vertex.size(); c += 3) {
     if (!places.turned_over(&vertex[c])) continue;
-    turned.add(rest.mesh->triangle_origin[c / 3]);
+    turned.push_back(rest.mesh->triangle_origin[c / 3]);
     for (std::size_t i = c; i < c + 3; ++i) places.add_constraints(vertex[i], constraints);
   }
   if (turned.empty()) return {};
   Error error =
       conflict(*view.set, constraints,
                "the places that they give to all corners turn over or flatten triangles of the mesh");
-  return fail(turned.of(std::move(error), ElementKind::Triangle));
+  std::sort(turned.begin(), turned.end());
+  OffendingIds ids;
+  for (const Index t : turned) ids.add(t);
+  return fail(ids.of(std::move(error), ElementKind::Triangle));
 }
 
 }  // namespace planish
