@@ -108,13 +108,21 @@ class FlattenCommand {
     auto result = flatten(flat_surface(), constraints(), args_.options, monitor_);
     if (!result) return fail(placed(result.error()));
     flattening_ = std::move(*result);
-    if (cut_) {
-      for (ConstraintOutcome& outcome : flattening_.constraints.outcome) {
-        for (Index& v : outcome.yielded) v = cut_->vertex_origin[v];
-      }
-    }
+    if (cut_) number_before_cut();
     warn_of_unwelded();
     return {};
+  }
+
+  /// Outcomes speak of the opened surface; the report, of the mesh that is written.
+  void number_before_cut() {
+    for (ConstraintOutcome& outcome : flattening_.constraints.outcome) {
+      for (Index& v : outcome.yielded) v = cut_->vertex_origin[v];
+      if (outcome.type != "region") continue;
+      const auto region = std::find_if(parted_.begin(), parted_.end(), [&](const Feature& feature) {
+        return feature.name == outcome.features.front();
+      });
+      outcome.shape = shape_before_cut(*cut_, region->triangle, outcome.shape);
+    }
   }
 
   /// Without a constraint file there is nothing to meet.

@@ -15,7 +15,8 @@ as `yielded` follow another constraint and are left out.
              sweep_degrees has about that of its best-fit circle in space
   curve      distance from the reported template in its best pose, not mirrored, / L. The template itself: edges not
              longer than in space, and the projection to the best-fit plane of the chain ("geodesic": lengths kept)
-  region     the same / square root of the area in space; every triangle of the template counter-clockwise; its largest
+  region     (template: a point a vertex, ascending, or three a triangle where a seam runs through it) the same / square
+             root of the area in space; every triangle of the template counter-clockwise; its largest
              relative change of a length is printed
   angle, parallel, perpendicular, direction   in degrees: +-degrees modulo 180, "oriented" modulo 360. A feature counts
              by its best-fit line, where it is a line or `measure` says so, else from its first to its last vertex
@@ -687,20 +688,28 @@ class Check:
             for v, z in zip(flat.faces[t], flat.corner_uv[t]):
                 images[v].add(z)
         self.hold(images)
-        template = self.template(len(images))
-        if template is None:
-            raise Fault("the report has no template")
-        place = dict(zip(sorted(images), template))
-        self.check_region_template(triangles, place)
+        laid = self.laid_out(triangles, sorted(images))
+        self.check_region_template(triangles, laid)
         size = math.sqrt(math.fsum(math.hypot(*normal(*flat.corners(t))) / 2 for t in triangles))
-        pairs = [(v, z) for v in place for z in images[v]]
-        kept = [k for k, (v, _) in enumerate(pairs) if v not in self.yielded]
-        return self.posed([place[v] for v, _ in pairs], [z for _, z in pairs], kept, size)
+        corners = list(dict.fromkeys((v, p, z) for t, points in zip(triangles, laid)
+                                     for v, p, z in zip(flat.faces[t], points, flat.corner_uv[t])))
+        kept = [k for k, (v, _, _) in enumerate(corners) if v not in self.yielded]
+        return self.posed([p for _, p, _ in corners], [z for _, _, z in corners], kept, size)
 
-    def check_region_template(self, triangles, place):
+    def laid_out(self, triangles, vertices):
+        """The template's corners of each triangle: it has a point a vertex, or, opened by a seam, three a triangle."""
+        if self.entry["template"] is None:
+            raise Fault("the report has no template")
+        if len(self.entry["template"]) == 3 * len(triangles) > len(vertices):
+            points = self.template(3 * len(triangles))
+            return [tuple(points[k:k + 3]) for k in range(0, len(points), 3)]
+        place = dict(zip(vertices, self.template(len(vertices))))
+        return [tuple(place[v] for v in self.job.flat.faces[t]) for t in triangles]
+
+    def check_region_template(self, triangles, places):
         flat, turned, distortion = self.job.flat, [], 0.0
-        for t in triangles:
-            laid, solid = [place[v] for v in flat.faces[t]], flat.corners(t)
+        for t, laid in zip(triangles, places):
+            solid = flat.corners(t)
             if base.orientation(*((z.real, z.imag) for z in laid)) <= 0:
                 turned.append(t)
             for i in range(3):

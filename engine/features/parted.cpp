@@ -95,4 +95,29 @@ Result<std::vector<Feature>> features_on_cut(const Surface& surface, const Cut& 
   return result;
 }
 
+std::vector<Vec2> shape_before_cut(const Cut& cut, In<Index> triangle, In<Vec2> shape) {
+  std::vector<Index> corner;
+  for (const Index t : triangle) {
+    for (Index c = 3 * t; c < 3 * t + 3; ++c) corner.push_back(cut.corner_vertex[c]);
+  }
+  std::vector<Index> vertex = corner;
+  std::sort(vertex.begin(), vertex.end());
+  vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
+  const auto point_of = [&](Index v) {
+    return shape[std::lower_bound(vertex.begin(), vertex.end(), v) - vertex.begin()];
+  };
+  std::vector<std::pair<Index, Index>> by_origin;
+  for (const Index v : vertex) by_origin.emplace_back(cut.vertex_origin[v], v);
+  std::sort(by_origin.begin(), by_origin.end());
+  const auto twice = std::adjacent_find(by_origin.begin(), by_origin.end(),
+                                        [](const auto& x, const auto& y) { return x.first == y.first; });
+  std::vector<Vec2> result;
+  if (twice == by_origin.end()) {
+    for (const auto& [origin, v] : by_origin) result.push_back(point_of(v));
+  } else {
+    for (const Index v : corner) result.push_back(point_of(v));
+  }
+  return result;
+}
+
 }  // namespace planish

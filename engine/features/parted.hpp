@@ -12,4 +12,9 @@ namespace planish {
 Result<std::vector<Feature>> features_on_cut(const Surface& surface, const Cut& cut,
                                              const std::vector<Feature>& features, const ConstraintSet& set);
 
+/// A region's template, given as a point a vertex of the opened surface, in the numbers of the surface before: a point a
+/// vertex, ascending, or, where the cut runs through the region, three a triangle.
+///   triangle: of the region, ascending
+std::vector<Vec2> shape_before_cut(const Cut& cut, In<Index> triangle, In<Vec2> shape);
+
 }  // namespace planish

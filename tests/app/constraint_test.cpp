@@ -102,6 +102,7 @@ constexpr const char* kPipeFeatures = R"(
   "seam": {"vertices": [0, 24, 48, 72, 96, 120, 144, 168, 192]},
   "back": {"vertices": [12, 36, 60, 84, 108, 132, 156, 180, 204]},
   "belt": {"plane_cut": {"point": [0, 0, 1.25], "normal": [0, 0, 1], "near": [1, 0, 1.25]}},
+  "before": {"triangles": [92, 93, 94, 95, 140, 141, 142, 143]}, "behind": {"triangles": [48, 49, 50, 51, 96, 97, 98, 99]},
   "top": {"enclosed_by": "belt", "seed": [1, 0, 3]})";
 
 std::string file_of(const std::string& features, const std::string& constraints, const std::string& more) {
@@ -568,6 +569,17 @@ TEST_CASE("constraints: on a seam a constraint holds on each side, with a residu
                      e.at("type") != "direction";
             }) == 1);
     }
+  }
+}
+
+TEST_CASE("constraints: a region keeps its shape on either side of a seam, and opened by it") {
+  const std::string seam = R"(, "seams": ["seam"])";
+  for (const char* region : {"before", "behind", "top"}) {
+    const Solved solved =
+        solve(pipe(), std::string(R"({"type": "region", "feature": ")") + region + "\"}", seam);
+    const std::size_t points = solved.report.at("constraints").at(0).at("template").size();
+    const std::size_t triangles = solved.report.at("features").at(region).at("triangles").size();
+    CHECK((points == 3 * triangles) == has(region, "top"));
   }
 }
 
