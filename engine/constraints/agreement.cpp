@@ -247,6 +247,21 @@ class Agreeing {
 
 }  // namespace
 
+bool part(Agreement& agreement, const Compiled& compiled, const Joint& joint, double mismatch) {
+  const auto found = std::find_if(agreement.joints.begin(), agreement.joints.end(), [&](const Joint& other) {
+    return other.kind == Joint::Kind::Coincide && other.a == joint.a && other.b == joint.b &&
+           other.place_a == joint.place_a && other.place_b == joint.place_b;
+  });
+  if (found == agreement.joints.end()) return false;
+  agreement.joints.erase(found);
+  agreement.yielded[joint.a][joint.place_a] = 1;
+  if (mismatch > agreement.mismatch[joint.a]) {
+    agreement.mismatch[joint.a] = mismatch;
+    agreement.mismatch_with[joint.a] = compiled.bodies[joint.b].constraint;
+  }
+  return true;
+}
+
 Result<Agreement> agree(const Compiled& compiled, const ConstraintView& view, const OrderedMesh& mesh) {
   return Agreeing(compiled, view, mesh)();
 }

@@ -29,6 +29,10 @@ struct Agreement {
   std::vector<Joint> joints;
 };
 
+/// Gives up a joint at a shared vertex: body a, of lower rank, yields the vertex, by `mismatch`.
+/// Returns false, and does nothing, where the agreement has no such joint.
+bool part(Agreement& agreement, const Compiled& compiled, const Joint& joint, double mismatch);
+
 /// Fails: ConstraintsConflict: templates that differ on shared vertices by more than the set's agreement, or pins that
 ///        do; says which constraints, where and by how much.
 /// Cost: O(shared vertices log).

@@ -74,7 +74,28 @@ class Orienting {
     }
   }
 
+  /// Cycles of bodies that close but for the precision of the file (four sides of a square) are near agreement, too: the
+  /// joint that gapes most is given up, its body of lower rank yields the vertex.
+  void part_nearly_closed(const Clusters& clusters, In<double> angle) {
+    constexpr double kClosed = 1e-10;
+    while (true) {
+      Poses poses(compiled_, agreement_, assemblies_, clusters, angle);
+      poses.close();
+      const Poses::Gaping widest = poses.widest_joint();
+      if (widest.size <= kClosed) return;
+      const Joint joint = agreement_.joints[widest.joint];
+      const double size = std::min(bodies()[joint.a].size, bodies()[joint.b].size);
+      // The gap was spread over the cycle; where it opens again it is as many times as wide.
+      const double mismatch = widest.size * static_cast<double>(agreement_.joints.size());
+      if (mismatch > view_.set->agreement * size) return;
+      part(agreement_, compiled_, joint, mismatch);
+      result_.parted.push_back({joint, mismatch});
+      owners_ = find_owners(compiled_, agreement_);
+    }
+  }
+
   Result<void> lay_out(const Clusters& clusters, In<double> angle) {
+    part_nearly_closed(clusters, angle);
     auto poses = closed_poses(compiled_, view_, *rest_.mesh, agreement_, assemblies_, clusters, angle);
     if (!poses) return fail(poses.error());
     poses_ = std::move(*poses);

@@ -265,6 +265,17 @@ Clusters Poses::frozen() const {
   return clusters;
 }
 
+Poses::Gaping Poses::widest_joint() const {
+  Gaping widest;
+  for (Index k = 0; k < static_cast<Index>(agreement_->joints.size()); ++k) {
+    const Joint& joint = agreement_->joints[k];
+    if (joint.kind != Joint::Kind::Coincide) continue;
+    const double gap = norm(point(joint.a, joint.place_a) - point(joint.b, joint.place_b));
+    if (gap > widest.size) widest = {k, gap};
+  }
+  return widest;
+}
+
 Index Poses::smallest() const {
   Index least = kNone;
   for (Index b = 0; b < static_cast<Index>(slots_.size()); ++b) {

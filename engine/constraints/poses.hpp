@@ -70,6 +70,13 @@ class Poses {
   /// Clusters that keep every body's direction as it is now.
   Clusters frozen() const;
 
+  /// The joint at a shared vertex that gapes most, and how far, units of the mesh here.
+  struct Gaping {
+    Index joint = kNone;
+    double size = 0;
+  };
+  Gaping widest_joint() const;
+
   Vec2 translation(Index body) const;  ///< against its assembly
   Vec2 factor(Index body) const;       ///< c of z = p + c t
   double angle(Index body) const { return argument(factor(body)); }

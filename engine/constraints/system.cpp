@@ -1,7 +1,7 @@
 #include "engine/constraints/system.hpp"
 
-#include "engine/features/one_ring.hpp"
 #include "engine/constraints/pinned_triangles.hpp"
+#include "engine/features/one_ring.hpp"
 
 namespace planish {
 
@@ -31,6 +31,9 @@ Result<void> ConstraintSystem::orient(const Exec& exec, const StartInput& input,
   auto oriented = planish::orient(exec, rest_, view_, compiled_, input, init);
   if (!oriented) return fail(oriented.error());
   orientation_ = std::move(*oriented);
+  for (const Orientation::Parted& parted : orientation_.parted)
+    part(agreement_, compiled_, parted.joint, parted.mismatch);
+  if (!orientation_.parted.empty()) owners_ = find_owners(compiled_, agreement_);
   return {};
 }
 
