@@ -66,12 +66,17 @@ BestCircle best_circle(In<Vec2> point) {
     rows.row(i) << 2 * d.x, 2 * d.y, 1;
     rhs[i] = dot(d, d);
   }
+  constexpr double kFlat = 1e6;  // radius over size: as good as a line
+  // The algebraic fit of points on a line is any circle.
+  const Vec2 along = best_line(point).direction;
+  double thickness = 0;
+  for (const Vec2 p : point) thickness = std::max(thickness, std::abs(cross(along, p - mean)));
+  if (thickness <= size / (4 * kFlat)) return {mean, kInfinity};
   const Eigen::Vector3d algebraic = rows.colPivHouseholderQr().solve(rhs);
   BestCircle circle{mean + Vec2{algebraic[0], algebraic[1]}, 0};
   circle.radius =
       std::sqrt(std::max(0.0, algebraic[2] + algebraic[0] * algebraic[0] + algebraic[1] * algebraic[1]));
   constexpr int kSteps = 20;
-  constexpr double kFlat = 1e6;  // times the size: as good as a line
   for (int step = 0; step < kSteps; ++step) {
     if (!std::isfinite(circle.radius) || circle.radius > kFlat * size) return {circle.centre, kInfinity};
     for (Eigen::Index i = 0; i < n; ++i) {
