@@ -1,6 +1,7 @@
 #include "engine/constraints/branches.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "engine/constraints/disjoint_sets.hpp"
 #include "engine/features/feature_error.hpp"
@@ -111,14 +112,77 @@ class BranchChoice {
     frame_set_ = sets.labels();
   }
 
-  /// Depth first, the nearest representatives first.
-  bool assign(const std::vector<Index>& chosen, std::vector<double>& difference) const {
-    AngleSets sets(compiled_.bodies.size() + 1);
-    difference.assign(chosen.size(), 0);
-    int trials = 0;
-    const auto next = [&](auto&& self, std::size_t k) -> bool {
-      if (k == chosen.size()) return true;
+  /// Relations from a to b that close no cycle.
+  std::vector<std::size_t> path(const std::vector<Index>& chosen,
+                                const std::vector<std::vector<std::size_t>>& tree, Index a, Index b) const {
+    constexpr std::size_t kUnseen = std::numeric_limits<std::size_t>::max();
+    std::vector<std::size_t> by(tree.size(), kUnseen);  // relation over which a body was reached
+    std::vector<Index> queue = {a};
+    const auto other_end = [&](std::size_t k, Index body) {
       const Relation& r = relations()[chosen[k]];
+      return a_of(r) == body ? b_of(r) : a_of(r);
+    };
+    for (std::size_t head = 0; head < queue.size() && by[b] == kUnseen; ++head) {
+      for (const std::size_t k : tree[queue[head]]) {
+        const Index next = other_end(k, queue[head]);
+        if (next == a || by[next] != kUnseen) continue;
+        by[next] = k;
+        queue.push_back(next);
+      }
+    }
+    std::vector<std::size_t> result;
+    for (Index at = b; at != a; at = other_end(by[at], at)) result.push_back(by[at]);
+    std::sort(result.begin(), result.end());
+    return result;
+  }
+
+  /// Places in `chosen` of relations that cycles tie together; what one block chooses is nothing to another. In each block
+  /// a cycle follows the other, so that a bad choice shows early.
+  std::vector<std::vector<std::size_t>> blocks(const std::vector<Index>& chosen) const {
+    DisjointSets joined(axis_ + 1), tied(static_cast<Index>(chosen.size()));
+    std::vector<std::vector<std::size_t>> tree(axis_ + 1);
+    std::vector<std::uint8_t> listed(chosen.size(), 0);
+    std::vector<std::size_t> order;
+    const auto list = [&](std::size_t k) {
+      if (!listed[k]) order.push_back(k);
+      listed[k] = 1;
+    };
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+      const Index a = a_of(relations()[chosen[k]]), b = b_of(relations()[chosen[k]]);
+      if (joined.unite(a, b)) {
+        tree[a].push_back(k);
+        tree[b].push_back(k);
+        continue;
+      }
+      for (const std::size_t other : path(chosen, tree, a, b)) {
+        tied.unite(static_cast<Index>(other), static_cast<Index>(k));
+        list(other);
+      }
+      list(k);
+    }
+    for (std::size_t k = 0; k < chosen.size(); ++k) list(k);
+    const std::vector<Index> label = tied.labels();
+    std::vector<std::vector<std::size_t>> result(tied.count());
+    for (const std::size_t k : order) result[label[k]].push_back(k);
+    return result;
+  }
+
+  bool assign(const std::vector<Index>& chosen, std::vector<double>& difference) const {
+    difference.assign(chosen.size(), 0);
+    const auto all = blocks(chosen);
+    return std::all_of(all.begin(), all.end(), [&](const std::vector<std::size_t>& block) {
+      return assign_block(chosen, block, difference);
+    });
+  }
+
+  /// Depth first, the nearest representatives first.
+  bool assign_block(const std::vector<Index>& chosen, const std::vector<std::size_t>& block,
+                    std::vector<double>& difference) const {
+    AngleSets sets(compiled_.bodies.size() + 1);
+    int trials = 0;
+    const auto next = [&](auto&& self, std::size_t i) -> bool {
+      if (i == block.size()) return true;
+      const Relation& r = relations()[chosen[block[i]]];
       for (const double candidate : candidates(r)) {
         if (++trials > kMostTrials) return false;
         const Index hung = sets.join(a_of(r), b_of(r), candidate);
@@ -126,8 +190,8 @@ class BranchChoice {
           const double now = sets.against_root(b_of(r)) - sets.against_root(a_of(r));
           if (std::abs(reduce_angle(now - candidate)) > kAgree) continue;
         }
-        difference[k] = candidate;
-        if (self(self, k + 1)) return true;
+        difference[block[i]] = candidate;
+        if (self(self, i + 1)) return true;
         if (hung != kNone) sets.undo(hung);
       }
       return false;
