@@ -76,10 +76,11 @@ std::optional<bool> Chirality::counter_clockwise(In<Index> chain) {
   if (all_outer(true)) return true;
   if (all_outer(false)) return false;
   start(chain);
-  // Both floods keep pace, so that the work is that of the smaller side.
+  // Both floods keep pace, so that the work is that of the smaller side. A flood that reached the outer loop may still
+  // meet the other one.
   while (true) {
-    if (left_.outer || right_.exhausted()) return false;  // the inside is on the right
-    if (right_.outer || left_.exhausted()) return true;
+    if (right_.exhausted()) return right_.outer;
+    if (left_.exhausted()) return !left_.outer;
     if (!step(left_, 2 * number_) || !step(right_, 2 * number_ + 1)) return std::nullopt;
   }
 }
