@@ -29,7 +29,8 @@ struct PathRow {
 
 class RotationProblem {
  public:
-  /// Analyses and factors; which edges are fixed is taken from the layout, its points are not.
+  /// Analyses and factors; which edges are fixed is taken from the layout, its points are not. exec and input must outlive
+  /// the problem.
   /// Fails: FactorizationFailed, OutOfMemory.
   static Result<RotationProblem> make(const Exec& exec, const RestSurface& rest, const StartInput& input,
                                       const Layout& layout, Init init);

@@ -170,11 +170,23 @@ TEST_CASE("report_json: the report has the fields of its schema and no others") 
   for (const char* list : {"history", "repairs"}) check_keys(s["properties"][list]["items"], r[list][0]);
 }
 
-TEST_CASE("report_json: with features, constraints and a cut the report has all fields of its schema") {
+const Price kPrice{.energy = 0.75,
+                   .unconstrained = 0.125,
+                   .without_refit = 0.8,
+                   .constraints = {{"straight", 0.25, 0.5}, {"angle", 0, 0, "no line"}}};
+
+TEST_CASE(
+    "report_json: with features, constraints, prices and a cut the report has all fields of its schema") {
   const Embedding e = embedding();
   const json s = schema("report.schema.json"),
-             r = json::parse(report_json(constrained(), context(), &e, &kCut));
+             r = json::parse(
+                 report_json(constrained(), context(), {.embedding = &e, .cut = &kCut, .price = &kPrice}));
   CHECK(keys(r) == keys(s["properties"]));
+  check_keys(s["properties"]["price"], r["price"]);
+  CHECK(r["price"]["constraints"][0] ==
+        json({{"name", "straight"}, {"energy_without", 0.25}, {"cost", 0.5}}));
+  CHECK(r["price"]["constraints"][1]["energy_without"].is_null());
+  CHECK(r["price"]["constraints"][1]["reason"] == "no line");
   for (const char* part : {"embedding", "refinement", "cut", "elimination"})
     check_keys(s["properties"][part], r[part]);
   check_keys(s["$defs"]["chain"], r["features"]["sill"]);
@@ -208,7 +220,7 @@ TEST_CASE("report_json: constraints have the fields of their kind in the schema"
 
 TEST_CASE("report_json: features stand under their names, in order, with their numbers bit for bit") {
   const Embedding e = embedding();
-  const std::string text = report_json(example(), context(), &e, &kCut);
+  const std::string text = report_json(example(), context(), {.embedding = &e, .cut = &kCut});
   const json r = json::parse(text);
   CHECK(r["embedding"] == json({{"vertices_added", 2}, {"triangles_added", 2}, {"snapped_points", 3}}));
   CHECK(r["refinement"] == json({{"feasibility_splits", 1}}));

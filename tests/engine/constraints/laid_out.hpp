@@ -1,6 +1,8 @@
 // Layouts given by hand: chains with their images.
 #pragma once
 
+#include <algorithm>
+
 #include "engine/constraints/layout.hpp"
 #include "engine/features/one_ring.hpp"
 #include "tests/engine/constraints/rest.hpp"
@@ -20,8 +22,9 @@ inline Layout empty_layout(const Rest& rest) {
 inline void lay(const Rest& rest, const Feature& chain, In<Vec2> image, Layout& layout) {
   REQUIRE(image.size() == chain.vertex.size());
   const std::size_t n = chain.vertex.size();
+  const Index assembly = *std::max_element(layout.assembly.begin(), layout.assembly.end()) + 1;
   for (std::size_t i = 0; i < n; ++i) {
-    layout.assembly[chain.vertex[i]] = layout.num_assemblies;
+    layout.assembly[chain.vertex[i]] = assembly;
     layout.point[chain.vertex[i]] = image[i];
     if (i + 1 == n && !chain.closed) break;
     const Index u = chain.vertex[i], v = chain.vertex[(i + 1) % n];
@@ -30,7 +33,6 @@ inline void lay(const Rest& rest, const Feature& chain, In<Vec2> image, Layout& 
       if (c != kNone) layout.fixed_edge[c] = 1;
     }
   }
-  ++layout.num_assemblies;
 }
 
 inline std::vector<Vec2> straight(std::size_t n) {
