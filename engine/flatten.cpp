@@ -337,7 +337,7 @@ class Run {
 
   // ---- the minimum ----
 
-  ArapProblem problem(const GlobalPhase& global, const NodeMap& nodes, DofMap& first, DofMap& dof) const {
+  ArapProblem problem(GlobalPhase& global, const NodeMap& nodes, DofMap& first, DofMap& dof) const {
     return {.energy = {.corner_vertex = mesh().corner_vertex,
                        .stars = topology().stars(),
                        .star_corner = topology().star_corner,
@@ -357,7 +357,7 @@ class Run {
             .constrained = system_ != nullptr};
   }
 
-  Result<Minimum> minimum_of(const ArapProblem& arap) const {
+  Result<Minimum> minimum_of(const ArapProblem& arap) {
     if (!options_.paper) return minimise_arap(exec_, arap, options_, monitor_);
     const std::vector<std::uint8_t> settled =
         system_ ? system_->triangles_at_features() : std::vector<std::uint8_t>();

@@ -25,7 +25,8 @@ constexpr Index kColumnBlock = 128;
 
 class Products {
  public:
-  Products(const Exec& exec, Eigen::MatrixXd& schur) : exec_(exec), schur_(schur), dense_(kDenseRows, schur.cols()) {}
+  Products(const Exec& exec, Eigen::MatrixXd& schur)
+      : exec_(exec), schur_(schur), dense_(kDenseRows, schur.cols()) {}
 
   void add(In<RowEntry> row) {
     if (row.size() >= kDenseRow) return add_dense(row);

@@ -35,6 +35,9 @@ bool promises_long_way(const std::vector<Iterate>& history, double tolerance) {
 /// A turn of a body by more makes the metric's border stale, radians.
 constexpr double kStaleTurn = 0.15;
 
+/// From so many vertices on solves are bound by memory, and read the factor in single precision.
+constexpr Index kLeastRounded = 50'000;
+
 class Iteration {
  public:
   Iteration(const Exec& exec, const ArapProblem& problem)
@@ -48,12 +51,20 @@ class Iteration {
     x_ = problem_.first->origin();
     if (auto used = use(*problem_.first); !used) return used;
     dof_->expand(x_);
-    local_.evaluate_rotations(vertices(x_), problem_.rotation, vertices(force_));
-    dof_->fold(force_);
-    solve();
-    combine(exec_, {{1, x_}, {1, descent_}}, x_before_);
-    x_.swap(x_before_);
-    if (!dof_->expand(x_)) return fail(ErrorCode::InternalDefect, "the first global step leaves the joints");
+    // A rounded factor needs a second and a third solve to reach the minimiser.
+    for (int solve_number = 0; solve_number < (problem_.global->is_rounded() ? 3 : 1); ++solve_number) {
+      local_.evaluate_rotations(vertices(x_), problem_.rotation, vertices(force_));
+      dof_->fold(force_);
+      solve();
+      combine(exec_, {{1, x_}, {1, descent_}}, x_before_);
+      x_.swap(x_before_);
+      if (!dof_->expand(x_))
+        return fail(ErrorCode::InternalDefect, "the first global step leaves the joints");
+    }
+    if (dof_->num_vertices() >= kLeastRounded && !problem_.global->is_rounded()) {
+      problem_.global->round_to_single(exec_);
+      if (auto refreshed = refresh(); !refreshed) return refreshed;
+    }
     evaluate();
     solve();
     return {};

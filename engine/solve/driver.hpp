@@ -19,7 +19,9 @@ inline constexpr int kQuasiNewtonMemory = 3;
 /// What the outer loop works with.
 struct ArapProblem {
   ArapEnergy energy;
-  const GlobalPhase* global = nullptr;  ///< of the quotient Laplacian over the nodes of the DOF map
+  GlobalPhase* global =
+      nullptr;  ///< of the quotient Laplacian over the nodes of the DOF map; rounded after the first step
+                ///< where that pays
   const Topology* topology = nullptr;
   EdgeWeight edge_weight;      ///< of that Laplacian
   DofMap* first = nullptr;     ///< of the first global step: directions as the first rotations have them

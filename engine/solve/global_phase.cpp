@@ -3,6 +3,7 @@
 #include <cholmod.h>
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <mutex>
 #include <string>
 
@@ -132,6 +133,7 @@ struct GlobalPhase::Factor {
   Common cholmod;
   cholmod_factor* factor = nullptr;
   SupernodeTree tree;
+  std::vector<float> rounded;
 
   Factor() = default;
   ~Factor() { cholmod_free_factor(&factor, &cholmod.common); }
@@ -145,6 +147,7 @@ struct GlobalPhase::Factor {
             .row = ints(factor->s, factor->ssize),
             .value_begin = ints(factor->px, factor->nsuper + 1),
             .value = static_cast<const double*>(factor->x),
+            .rounded = rounded.empty() ? nullptr : rounded.data(),
             .permutation = ints(factor->Perm, factor->n)};
   }
 };
@@ -169,6 +172,7 @@ Result<GlobalPhase> GlobalPhase::factor(const SymmetricMatrix& matrix, In<Index>
 Result<void> GlobalPhase::refactor(const SymmetricMatrix& matrix) {
   cholmod_common& common = factor_->cholmod.common;
   cholmod_sparse sparse = planish::view(matrix);
+  factor_->rounded = {};
   const OneBlasThread one_thread;
   cholmod_factorize(&sparse, factor_->factor, &common);
   if (common.status == CHOLMOD_OUT_OF_MEMORY) return out_of_memory("values");
@@ -181,6 +185,20 @@ Result<void> GlobalPhase::refactor(const SymmetricMatrix& matrix) {
                     .ids = {pivot},
                     .count = 1});
 }
+
+void GlobalPhase::round_to_single(const Exec& exec) {
+  const auto* value = static_cast<const double*>(factor_->factor->x);
+  factor_->rounded.resize(factor_->factor->xsize);
+  constexpr Index kPart = 1 << 20;
+  const auto num_parts = static_cast<Index>((factor_->rounded.size() + kPart - 1) / kPart);
+  exec.for_tasks(num_parts, [&](Index part) {
+    const std::size_t begin = static_cast<std::size_t>(part) * kPart;
+    const std::size_t end = std::min(begin + kPart, factor_->rounded.size());
+    for (std::size_t k = begin; k < end; ++k) factor_->rounded[k] = static_cast<float>(value[k]);
+  });
+}
+
+bool GlobalPhase::is_rounded() const { return !factor_->rounded.empty(); }
 
 void GlobalPhase::solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const {
   if (!rhs.empty()) factor_->tree.solve(exec, factor_->view(), rhs, x);

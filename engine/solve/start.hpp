@@ -17,8 +17,8 @@ struct StartInput {
   const Topology* topology = nullptr;
   In<RestFrame> frame;
   In<double> cotangent;
-  In<double> angle_sum;  ///< [V]
-  In<Index> order;       ///< fill-reducing order of the vertices
+  In<double> angle_sum;       ///< [V]
+  In<Index> order;            ///< fill-reducing order of the vertices
   In<Index> outer_loop = {};  ///< per component; empty: the longest of its loops
 };
 

@@ -15,6 +15,10 @@ Panel panel(const SupernodalFactor& f, Index s) {
   return {f.super[s + 1] - f.super[s], f.row_begin[s + 1] - f.row_begin[s], f.value + f.value_begin[s]};
 }
 
+FloatPanel rounded_panel(const SupernodalFactor& f, Index s) {
+  return {f.super[s + 1] - f.super[s], f.row_begin[s + 1] - f.row_begin[s], f.rounded + f.value_begin[s]};
+}
+
 In<Index> rows_below(const SupernodalFactor& f, Index s) {
   return slice(f.row, {f.row_begin[s] + (f.super[s + 1] - f.super[s]), f.row_begin[s + 1]});
 }
@@ -43,7 +47,11 @@ void forward_one(const SupernodalFactor& f, Index s, PanelRows& rows, Out<Vec2> 
   const Panel p = panel(f, s);
   load_columns(f, s, y, rows);
   for (Index i = p.columns; i < p.rows; ++i) rows.set(i, {});
-  forward_panel(p, rows.u, rows.v);
+  if (f.rounded) {
+    forward_panel(rounded_panel(f, s), rows.u, rows.v);
+  } else {
+    forward_panel(p, rows.u, rows.v);
+  }
   store_columns(f, s, rows, y);
   const In<Index> below = rows_below(f, s);
   for (Index i = p.columns; i < p.rows; ++i) add(below[i - p.columns], rows.get(i));
@@ -54,7 +62,11 @@ void backward_one(const SupernodalFactor& f, Index s, PanelRows& rows, Out<Vec2>
   load_columns(f, s, y, rows);
   const In<Index> below = rows_below(f, s);
   for (Index i = p.columns; i < p.rows; ++i) rows.set(i, y[below[i - p.columns]]);
-  backward_panel(p, rows.u, rows.v);
+  if (f.rounded) {
+    backward_panel(rounded_panel(f, s), rows.u, rows.v);
+  } else {
+    backward_panel(p, rows.u, rows.v);
+  }
   store_columns(f, s, rows, y);
 }
 

@@ -15,7 +15,8 @@ namespace planish {
 struct SupernodalFactor {
   In<Index> super, row_begin, row, value_begin;
   const double* value = nullptr;
-  In<Index> permutation;  ///< permutation[k] is the row of A at place k
+  const float* rounded = nullptr;  ///< the same values in single precision, used instead where given
+  In<Index> permutation;           ///< permutation[k] is the row of A at place k
   Index num_supernodes() const { return static_cast<Index>(super.size()) - 1; }
 };
 

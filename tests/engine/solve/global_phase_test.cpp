@@ -122,3 +122,36 @@ TEST_CASE("laplacian: merging the vertices of a hole is the product with the mer
   }
   CHECK(difference.cwiseAbs().maxCoeff() < 1e-12);
 }
+
+TEST_CASE(
+    "global phase: a factor rounded to single precision solves with one symmetric matrix near the given "
+    "one") {
+  const SymmetricMatrix matrix = held_laplacian(shapes::wavy_disk(3000));
+  auto global = GlobalPhase::factor(matrix, *fill_reducing_order(matrix));
+  REQUIRE(global);
+  shapes::Random random(10);
+  std::vector<Vec2> a(matrix.size()), b(matrix.size()), x(matrix.size()), y(matrix.size()),
+      exact(matrix.size());
+  for (Index i = 0; i < matrix.size(); ++i) {
+    a[i] = {random.uniform() - 0.5, random.uniform() - 0.5};
+    b[i] = {random.uniform() - 0.5, random.uniform() - 0.5};
+  }
+  global->solve(Exec(1), a, exact);
+  CHECK_FALSE(global->is_rounded());
+  global->round_to_single(Exec(2));
+  CHECK(global->is_rounded());
+  global->solve(Exec(1), a, x);
+  global->solve(Exec(1), b, y);
+  double error = 0, size = 0, b_x = 0, a_y = 0;
+  for (Index i = 0; i < matrix.size(); ++i) {
+    error = std::max(error, norm(x[i] - exact[i]));
+    size = std::max(size, norm(exact[i]));
+    b_x += dot(b[i], x[i]);
+    a_y += dot(a[i], y[i]);
+  }
+  CHECK(error > 1e-12 * size);  // it is another matrix
+  CHECK(error < 1e-4 * size);
+  CHECK(b_x == doctest::Approx(a_y).epsilon(1e-12));
+  REQUIRE(global->refactor(matrix));
+  CHECK_FALSE(global->is_rounded());
+}

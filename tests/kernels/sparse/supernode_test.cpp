@@ -55,3 +55,27 @@ TEST_CASE(
     }
   }
 }
+
+TEST_CASE("supernode: a panel in single precision gives the bits of its values in double, all shapes") {
+  shapes::Random random(12);
+  for (Index columns = 1; columns <= 9; ++columns) {
+    for (Index below = 0; below <= 11; ++below) {
+      RandomPanel p(columns, columns + below, random);
+      std::vector<float> rounded(p.value.begin(), p.value.end());
+      p.value.assign(rounded.begin(), rounded.end());
+      const FloatPanel single{columns, columns + below, rounded.data()};
+      std::vector<double> u(p.panel.rows), v(p.panel.rows);
+      for (double& x : u) x = random.uniform();
+      for (double& x : v) x = random.uniform();
+      std::vector<double> u_single = u, v_single = v;
+      forward_panel(p.panel, u, v);
+      forward_panel(single, u_single, v_single);
+      CHECK(u == u_single);
+      CHECK(v == v_single);
+      backward_panel(p.panel, u, v);
+      backward_panel(single, u_single, v_single);
+      CHECK(u == u_single);
+      CHECK(v == v_single);
+    }
+  }
+}
