@@ -14,7 +14,11 @@ double laid_out_rotation(const Layout& layout, const RestSurface& rest, Index c)
                                        layout.point[vertex[3 * t + 2]]};
     return argument(closest_rotation(image, cotangents(rest.frame[t]).at.data(), rest.frame[t]));
   }
-  return layout.direction(vertex, c) - edge_direction(rest.frame[t], c % 3);
+  return edge_rotation(layout, rest, c);
+}
+
+double edge_rotation(const Layout& layout, const RestSurface& rest, Index c) {
+  return layout.direction(rest.mesh->corner_vertex, c) - edge_direction(rest.frame[c / 3], c % 3);
 }
 
 }  // namespace planish

@@ -72,6 +72,11 @@ class Orienting {
         fix(half_edge(surface, *rest_.topology, v, u));
       }
     }
+    for (Index t = 0; t < surface.num_triangles(); ++t) {
+      int edges = 0;
+      for (Index c = 3 * t; c < 3 * t + 3; ++c) edges += layout_.fixed_edge[c];
+      if (edges > 1) layout_.fixed_triangle[t] = 1;
+    }
   }
 
   /// Cycles of bodies that close but for the precision of the file (four sides of a square) are near agreement, too: the

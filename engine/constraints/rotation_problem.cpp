@@ -117,6 +117,20 @@ void RotationProblem::walk_tree() {
   }
 }
 
+std::vector<double> RotationProblem::bends(const Layout& layout) const {
+  std::vector<double> bend(sectors_.num_sectors(), 0);
+  const auto off = [&](Index c) {
+    return reduce_angle(laid_out_rotation(layout, rest_, c) - edge_rotation(layout, rest_, c));
+  };
+  for (Index c = 0; c < static_cast<Index>(sectors_.corner_sector.size()); ++c) {
+    if (!layout.fixed_triangle[c / 3]) continue;
+    const Index arriving = previous_corner(c);
+    if (layout.fixed_edge[c]) bend[sectors_.corner_sector[c]] -= off(c);
+    if (layout.fixed_edge[arriving]) bend[sectors_.corner_sector[c]] += off(arriving);
+  }
+  return bend;
+}
+
 Result<std::vector<double>> RotationProblem::targets(const Layout& layout, std::vector<Index>& at) const {
   const Index n = sectors_.num_sectors();
   std::vector<double> sector_target(n, 0), vertex_sum(sectors_.num_vertices, 0);
@@ -129,17 +143,20 @@ Result<std::vector<double>> RotationProblem::targets(const Layout& layout, std::
       target += kPi - input_.angle_sum[input_.corner_vertex[c]];
     hole_target.push_back(target);
   }
+  const std::vector<double> bend = bends(layout);
   for (Index s = 0; s < n; ++s) {
     const Index v = sectors_.vertex[s], loop = rest_.loop_of[v];
+    const auto hole = hole_number.find(loop);
     if (loop == kNone && sectors_.from[s] == kNone) {
       sector_target[s] = 2 * kPi - sector_angle_[s];
     } else if (sectors_.is_prescribed(s)) {
       const double angle = prescribed_angle(layout, sectors_, s, sector_angle_[s]);
       sector_target[s] = angle - sector_angle_[s];
       vertex_sum[v] += angle;
-      if (loop == kNone) continue;
-      if (const auto hole = hole_number.find(loop); hole != hole_number.end())
-        hole_target[hole->second] -= sector_target[s];
+      if (hole != hole_number.end()) hole_target[hole->second] -= sector_target[s];
+      sector_target[s] += bend[s];
+    } else if (hole != hole_number.end()) {
+      hole_target[hole->second] += bend[s];
     }
   }
   for (Index v = 0; v < sectors_.num_vertices; ++v) {

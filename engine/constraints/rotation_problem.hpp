@@ -56,6 +56,8 @@ class RotationProblem {
   void number_nodes();
   void find_parts();
   void walk_tree();
+  /// Per sector: by how much the closest rotations of its outermost triangles turn it beyond its edges.
+  std::vector<double> bends(const Layout& layout) const;
   Result<std::vector<double>> targets(const Layout& layout, std::vector<Index>& at) const;
   Result<void> check_parts(In<double> target, std::vector<Index>& at) const;
   std::vector<double> integrate(const Layout& layout, In<double> potential, In<double> extra) const;
