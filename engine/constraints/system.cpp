@@ -94,6 +94,10 @@ std::vector<std::uint8_t> ConstraintSystem::triangles_at_features() const {
 Result<void> ConstraintSystem::mirror(Index body) {
   for (Vec2& t : compiled_.bodies[body].shape) t = conjugate(t);
   compiled_.bodies[body].mirrored = !compiled_.bodies[body].mirrored;
+  for (Relation& relation : compiled_.relations) {
+    if (relation.a == body) relation.along_a = -relation.along_a;
+    if (relation.b == body) relation.along_b = -relation.along_b;
+  }
   return settle();
 }
 
