@@ -239,7 +239,10 @@ class Orienting {
     Measured measured{.angle = {}, .frame = {}, .num_frames = rest_.topology->num_components};
     for (Index b = 0; b < static_cast<Index>(bodies().size()); ++b) {
       const Index assembly = assemblies_.of[b];
-      measured.angle.push_back(poses_->angle(b) + turned.by[assembly]);
+      // A chord has no edges whose angles to others of its assembly the surface tells.
+      const Vec2 along = bodies()[b].has_edges() ? Vec2{} : chain_vector(bodies()[b]);
+      measured.angle.push_back(dot(along, along) > 0 ? argument(along)
+                                                     : poses_->angle(b) + turned.by[assembly]);
       measured.frame.push_back(turned.component[assembly]);
     }
     auto oriented = choose_branches(compiled_, view_, measured);
