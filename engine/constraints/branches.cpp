@@ -89,7 +89,8 @@ class BranchChoice {
     return distinct;
   }
 
-  /// Frames of components are free to turn: the first relation between two of them decides how they lie.
+  /// Frames of components are free to turn: the first relation between two of them decides how they lie, by the
+  /// representative that suits their other relations best.
   void tie_frames() {
     frame_turn_.assign(measured_.num_frames + 1, 0);
     DisjointSets sets(measured_.num_frames + 1);
@@ -97,16 +98,31 @@ class BranchChoice {
       const Index a = a_of(r), b = b_of(r);
       const Index frame_a = measured_.frame[a], frame_b = measured_.frame[b];
       if (sets.root(frame_a) == sets.root(frame_b)) continue;
-      const double turn = reduce_angle(candidates(r).front() - (measured_.angle[b] - measured_.angle[a]));
       const Index moving = sets.root(frame_b) == sets.root(measured_.num_frames) ? frame_a : frame_b;
-      const double by = moving == frame_b ? turn : -turn;
-      const Index set = sets.root(moving);
+      const Index set = sets.root(moving), other = sets.root(moving == frame_b ? frame_a : frame_b);
+      const auto turn_set = [&](double by) {
+        for (std::size_t k = 0; k < measured_.angle.size(); ++k) {
+          if (sets.root(measured_.frame[k]) == set) measured_.angle[k] += by;
+        }
+      };
+      const double now = measured_.angle[b] - measured_.angle[a];
+      double by = 0, least = kInfinity;
+      for (const double candidate : candidates(r)) {
+        const double turn = reduce_angle(candidate - now) * (moving == frame_b ? 1 : -1);
+        turn_set(turn);
+        double misfit = 0;
+        for (const Relation& q : relations()) {
+          const Index p_a = sets.root(measured_.frame[a_of(q)]), p_b = sets.root(measured_.frame[b_of(q)]);
+          if (std::minmax(p_a, p_b) != std::minmax(set, other)) continue;
+          misfit += std::abs(candidates(q).front() - (measured_.angle[b_of(q)] - measured_.angle[a_of(q)]));
+        }
+        turn_set(-turn);
+        if (misfit < least - kAgree) least = misfit, by = turn;
+      }
       for (Index f = 0; f <= measured_.num_frames; ++f) {
         if (sets.root(f) == set) frame_turn_[f] += by;
       }
-      for (std::size_t k = 0; k < measured_.angle.size(); ++k) {
-        if (sets.root(measured_.frame[k]) == set) measured_.angle[k] += by;
-      }
+      turn_set(by);
       sets.unite(frame_a, frame_b);
     }
     frame_set_ = sets.labels();
