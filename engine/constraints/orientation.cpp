@@ -379,7 +379,7 @@ constexpr double kLeastScale = 1e-3;
 
 bool is_collapsed(const Poses& poses) {
   const Index least = poses.smallest();
-  return least != kNone && norm(poses.factor(least)) < kLeastScale;
+  return least != kNone && poses.scale(least) < kLeastScale;
 }
 
 /// Whether some of the constraints alone have no poses.

@@ -250,8 +250,9 @@ void Poses::adopt(const Poses& other) {
     const Vec2 p = other.translation(b), c = other.factor(b);
     if (s.p != kNone) value_[s.p] = p.x, value_[s.p + 1] = p.y;
     if (s.c != kNone) value_[s.c] = c.x, value_[s.c + 1] = c.y;
-    if (s.scale_slot != kNone) value_[s.scale_slot] = norm(c);
-    if (s.angle_slot != kNone) value_[s.angle_slot] = argument(c) - s.offset;
+    const double scale = other.scale(b);
+    if (s.scale_slot != kNone) value_[s.scale_slot] = scale;
+    if (s.angle_slot != kNone) value_[s.angle_slot] = argument(scale < 0 ? -c : c) - s.offset;
     for (Index i = 0; i < static_cast<Index>(s.tau.size()); ++i) {
       if (s.tau[i] != kNone) value_[s.tau[i]] = other.length_along(b, i);
     }
@@ -279,7 +280,7 @@ Poses::Gaping Poses::widest_joint() const {
 Index Poses::smallest() const {
   Index least = kNone;
   for (Index b = 0; b < static_cast<Index>(slots_.size()); ++b) {
-    if (least == kNone || norm(factor(b)) < norm(factor(least))) least = b;
+    if (least == kNone || scale(b) < scale(least)) least = b;
   }
   return least;
 }

@@ -80,9 +80,11 @@ class Poses {
   Vec2 translation(Index body) const;  ///< against its assembly
   Vec2 factor(Index body) const;       ///< c of z = p + c t
   double angle(Index body) const { return argument(factor(body)); }
+  /// |c|, negative where a free scale has turned the body over its centre.
+  double scale(Index body) const;
   /// A vertex of a body, against its assembly.
   Vec2 point(Index body, Index place) const;
-  /// The body of least |c|.
+  /// The body of least scale.
   Index smallest() const;
 
   // ---- free coordinates ----
@@ -159,6 +161,11 @@ inline Vec2 Poses::factor(Index body) const {
   if (s.c != kNone) return {value_[s.c], value_[s.c + 1]};
   const double scale = s.scale_slot == kNone ? s.scale : value_[s.scale_slot];
   return scale * unit((s.angle_slot == kNone ? 0 : value_[s.angle_slot]) + s.offset);
+}
+
+inline double Poses::scale(Index body) const {
+  const PoseSlots& s = slots_[body];
+  return s.scale_slot == kNone ? norm(factor(body)) : value_[s.scale_slot];
 }
 
 inline Vec2 Poses::translation(Index body) const {

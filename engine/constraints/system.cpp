@@ -104,7 +104,7 @@ Result<void> ConstraintSystem::mirror(Index body) {
 Result<void> ConstraintSystem::check_scales(const Poses& poses) const {
   constexpr double kLeastScale = 1e-3;
   const Index least = poses.smallest();
-  if (least == kNone || norm(poses.factor(least)) >= kLeastScale) return {};
+  if (least == kNone || poses.scale(least) >= kLeastScale) return {};
   return fail(constraint_error(ErrorCode::ConstraintsConflict, *view_.set, compiled_.bodies[least].constraint,
                                "the best map shrinks its free scale below 0.001; give it a scale"));
 }

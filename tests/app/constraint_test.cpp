@@ -633,7 +633,7 @@ TEST_CASE(
   const std::string every =
       lines({"row"}) + ", " + lines({"high"}, R"(, "lengths": "free")") +
       R"(, {"type": "circle", "feature": "ring"}, {"type": "curve", "feature": "south"}, {"type": "region", "feature": "tip"},
-          {"type": "angle", "features": ["row", "south"], "degrees": 1}, {"type": "parallel", "edges": [[1, 8], [44, 45]]},
+          {"type": "angle", "features": ["row", "south"], "degrees": 1}, {"type": "perpendicular", "edges": [[1, 8], [44, 45]]},
           {"type": "direction", "edge": [36, 37], "degrees": 0}, {"type": "pin", "vertices": [48], "uv": [[0, 0]]})";
   const Scratch scratch;
   const std::string report = scratch.file("r.json");
