@@ -294,6 +294,7 @@ class Run {
 
   Result<double> trial_energy() {
     constexpr int kTrialSteps = 5;
+    if (auto turned = turn_onto_pins(); !turned) return fail(turned.error());
     auto dof = system_->dof_map(true);
     if (!dof) return fail(dof.error());
     take_rotations(*system_);
