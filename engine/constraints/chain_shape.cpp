@@ -92,6 +92,7 @@ Result<void> make_arc(const ChainInput& input, const CircleConstraint& rule, In<
   const double own_sweep = fitted_sweep(flat);
   const double sweep = rule.sweep_degrees ? *rule.sweep_degrees * kDegree : std::abs(own_sweep);
   constexpr double kLeastSweep = 1e-6;
+  const bool straight = !(std::abs(own_sweep) > kLeastSweep);
   if (!(sweep > kLeastSweep)) {
     return invalid(input, quoted(input) +
                               " is straight: its best-fit circle has no radius; give "
@@ -105,7 +106,7 @@ Result<void> make_arc(const ChainInput& input, const CircleConstraint& rule, In<
   if (!arc) return impossible(input, "the edges of " + quoted(input) + " fit no arc of such a sweep");
   body.shape = std::move(arc->corner);
   if (own_sweep < 0) mirror(body.shape);
-  apply_mirror(rule.mirror, fitted.undecided, body);
+  apply_mirror(rule.mirror, fitted.undecided || straight, body);
   body.planarity = fitted.plane.farthest;
   radius = arc->radius;
   return {};
