@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/constraints/branches.hpp"
+#include "engine/constraints/closure.hpp"
 #include "engine/constraints/rotation_problem.hpp"
 
 namespace planish {
@@ -28,12 +29,5 @@ struct Orientation {
 ///        ResidualTooLarge, OutOfMemory.
 Result<Orientation> orient(const Exec& exec, const RestSurface& rest, const ConstraintView& view,
                            Compiled compiled, const StartInput& input, Init init);
-
-/// Poses with all joints met, from given directions; the reason where that is impossible, with a smallest set of
-/// constraints that contradict one another.
-Result<std::unique_ptr<Poses>> closed_poses(const Compiled& compiled, const ConstraintView& view,
-                                            const OrderedMesh& mesh, const Agreement& agreement,
-                                            const Assemblies& assemblies, const Clusters& clusters,
-                                            In<double> angle);
 
 }  // namespace planish
