@@ -71,13 +71,20 @@ class BranchChoice {
   Index a_of(const Relation& r) const { return r.a == kNone ? axis_ : r.a; }
   Index b_of(const Relation& r) const { return r.b == kNone ? axis_ : r.b; }
 
-  /// direction(b) - direction(a) for each representative, nearest to the measured one first.
-  std::vector<double> candidates(const Relation& r) const {
+  /// direction(b) - direction(a) for each representative, as it was given first.
+  std::vector<double> representatives(const Relation& r) const {
     const double shift = r.along_a - r.along_b, degrees = r.degrees * kDegree;
     std::vector<double> angle = {degrees};
-    if (!r.oriented) angle = {degrees, -degrees, degrees + kPi, -degrees + kPi};
+    if (!r.oriented) angle = {degrees, degrees + kPi, -degrees, -degrees + kPi};
     const double now = measured_.angle[b_of(r)] - measured_.angle[a_of(r)];
     for (double& x : angle) x = now + reduce_angle(x + shift - now);
+    return angle;
+  }
+
+  /// The same, nearest to the measured one first.
+  std::vector<double> candidates(const Relation& r) const {
+    std::vector<double> angle = representatives(r);
+    const double now = measured_.angle[b_of(r)] - measured_.angle[a_of(r)];
     std::stable_sort(angle.begin(), angle.end(),
                      [&](double x, double y) { return std::abs(x - now) < std::abs(y - now) - kAgree; });
     std::vector<double> distinct;
@@ -90,7 +97,7 @@ class BranchChoice {
   }
 
   /// Frames of components are free to turn: the first relation between two of them decides how they lie, by the
-  /// representative that suits their other relations best.
+  /// representative that suits their other relations best, else as it is given: where a frame lies by itself says nothing.
   void tie_frames() {
     frame_turn_.assign(measured_.num_frames + 1, 0);
     DisjointSets sets(measured_.num_frames + 1);
@@ -107,7 +114,7 @@ class BranchChoice {
       };
       const double now = measured_.angle[b] - measured_.angle[a];
       double by = 0, least = kInfinity;
-      for (const double candidate : candidates(r)) {
+      for (const double candidate : representatives(r)) {
         const double turn = reduce_angle(candidate - now) * (moving == frame_b ? 1 : -1);
         turn_set(turn);
         double misfit = 0;

@@ -1,7 +1,10 @@
 #include "engine/constraints/system.hpp"
 
+#include <algorithm>
+
 #include "engine/constraints/pinned_triangles.hpp"
 #include "engine/features/one_ring.hpp"
+#include "kernels/intrinsic/transport.hpp"
 
 namespace planish {
 
@@ -37,14 +40,36 @@ Result<void> ConstraintSystem::orient(const Exec& exec, const StartInput& input,
   return {};
 }
 
-void ConstraintSystem::turn(In<double> by_component) {
-  for (std::size_t t = 0; t < orientation_.theta.size(); ++t) {
-    const Index component = rest_.topology->triangle_component[t];
-    if (!orientation_.directed[component]) orientation_.theta[t] += by_component[component];
+/// Whether all that gives a component its direction speaks of undirected lines against the u axis.
+bool ConstraintSystem::half_turn_is_free(Index component) const {
+  return std::none_of(compiled_.relations.begin(), compiled_.relations.end(), [&](const Relation& r) {
+    const auto is_here = [&](Index b) {
+      return b != kNone && vertex_component_[compiled_.bodies[b].vertex.front()] == component;
+    };
+    if (!is_here(r.a) && !is_here(r.b)) return false;
+    return r.a == kNone ? r.oriented : is_here(r.a) != is_here(r.b);
+  });
+}
+
+void ConstraintSystem::turn(In<double> wanted) {
+  std::vector<double> by(wanted.begin(), wanted.end());
+  std::vector<std::uint8_t> half(by.size(), 0);
+  for (Index k = 0; k < static_cast<Index>(by.size()); ++k) {
+    if (!orientation_.directed[k]) continue;
+    half[k] = std::abs(reduce_angle(by[k])) > 0.5 * kPi && half_turn_is_free(k);
+    by[k] = half[k] ? kPi : 0;
   }
-  for (std::size_t b = 0; b < compiled_.bodies.size(); ++b) {
-    const Index component = vertex_component_[compiled_.bodies[b].vertex.front()];
-    if (!orientation_.directed[component]) orientation_.angle[b] += by_component[component];
+  for (std::size_t t = 0; t < orientation_.theta.size(); ++t)
+    orientation_.theta[t] += by[rest_.topology->triangle_component[t]];
+  const auto component_of = [&](Index b) { return vertex_component_[compiled_.bodies[b].vertex.front()]; };
+  for (Index b = 0; b < static_cast<Index>(compiled_.bodies.size()); ++b) {
+    orientation_.angle[b] += by[component_of(b)];
+    if (half[component_of(b)] && orientation_.clusters.directed[orientation_.clusters.of[b]])
+      orientation_.clusters.offset[b] += kPi;
+  }
+  for (std::size_t k = 0; k < compiled_.relations.size(); ++k) {
+    const Relation& r = compiled_.relations[k];
+    if (r.a == kNone && half[component_of(r.b)]) orientation_.chosen[k] += kPi;
   }
 }
 

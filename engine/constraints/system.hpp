@@ -21,7 +21,8 @@ class ConstraintSystem {
   Result<void> orient(const Exec& exec, const StartInput& input, Init init);
   In<double> theta() const { return orientation_.theta; }
   double holonomy_residual() const { return orientation_.residual; }
-  /// Turns the first rotations and directions of components; those whose direction is given stay.
+  /// Turns the first rotations and directions of components; those whose direction is given stay, or take half a turn
+  /// where that is nearer and their direction is that of undirected lines.
   void turn(In<double> by_component);
   /// Components whose direction is given.
   In<std::uint8_t> directed() const { return orientation_.directed; }
@@ -53,6 +54,7 @@ class ConstraintSystem {
   ConstraintSystem(const RestSurface& rest, const ConstraintView& view, In<Index> vertex_component)
       : rest_(rest), view_(view), vertex_component_(vertex_component) {}
   Result<void> settle();
+  bool half_turn_is_free(Index component) const;
   ConstraintOutcome outcome_of_body(const Body& body, Index number, In<Vec2> uv, const Poses& poses) const;
   ConstraintOutcome outcome_of_relation(std::size_t number, In<Vec2> uv) const;
   ConstraintOutcome outcome_of_pins(Index constraint, In<Vec2> uv) const;
