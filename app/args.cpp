@@ -86,7 +86,8 @@ void add_flatten(CLI::App& app, FlattenArgs& args) {
   app.add_flag(
       "--paper", args.options.paper,
       "the method as published: directions of features as first found, flipped triangles weighed up");
-  app.add_flag("--price", args.price, "say what each constraint costs: one more solve a constraint");
+  app.add_flag("--price", args.price, "say what each constraint costs: one more solve a constraint")
+      ->needs("--constraints");
   app.add_flag("--dry-run", args.dry_run,
                "look for contradictions, count unknowns, estimate memory; solve and write nothing");
   app.add_flag("--normalize", args.options.normalize, "scale uv into the unit square (else true scale)");

@@ -59,7 +59,7 @@ class FlattenCommand {
     }
     cut_ = std::move(*opened);
     if (!features()) return {};
-    auto parted = features_on_cut(mesh().surface(), *cut_, *features(), featured_.set);
+    auto parted = features_on_cut(exec_, mesh().surface(), *cut_, *features(), featured_.set);
     if (!parted) return fail(in_file(parted.error(), args_.constraints));
     parted_ = std::move(*parted);
     return {};
@@ -115,6 +115,7 @@ class FlattenCommand {
 
   /// Outcomes speak of the opened surface; the report, of the mesh that is written.
   void number_before_cut() {
+    for (Index& v : flattening_.certificate.overwound) v = cut_->vertex_origin[v];
     for (ConstraintOutcome& outcome : flattening_.constraints.outcome) {
       for (Index& v : outcome.yielded) v = cut_->vertex_origin[v];
       if (outcome.type != "region") continue;
@@ -253,29 +254,46 @@ class FlattenCommand {
           c.flipped_triangles, c.overwound_vertices, c.overlapping_pairs);
       say_constraints();
     }
-    const bool disordered = say_disorder();
+    const bool disordered = say_disorder(), unmet = say_unmet();
     const bool flips = c.flipped_triangles > 0 || c.overwound_vertices > 0;
     if (!flattening_.converged) say_not_converged();
     if (flips) {
       fmt::print(stderr, "planish: {}: {} triangles are flipped and {} vertices overwound in the map\n",
                  args_.mesh, c.flipped_triangles, c.overwound_vertices);
     }
-    return flips || disordered || !flattening_.converged ? 6 : 0;
+    return flips || disordered || unmet || !flattening_.converged ? 6 : 0;
+  }
+
+  /// A residual against what DESIGN 3.8 allows: met up to 1.
+  static double share_of_allowed(const ConstraintOutcome& c) {
+    constexpr double kDegrees = 1e-7, kLength = 1e-9;
+    return c.residual / (c.degrees ? kDegrees : kLength);
   }
 
   void say_constraints() const {
-    const ConstraintOutcome* worst = nullptr;
-    double worst_share = -1;
-    for (const ConstraintOutcome& c : flattening_.constraints.outcome) {
-      constexpr double kDegrees = 1e-7, kLength = 1e-9;  // what is allowed
-      const double share = c.residual / (c.degrees ? kDegrees : kLength);
-      if (share > worst_share) worst = &c, worst_share = share;
+    const std::vector<ConstraintOutcome>& outcome = flattening_.constraints.outcome;
+    if (!outcome.empty()) {
+      const auto worst = std::max_element(outcome.begin(), outcome.end(), [](const auto& a, const auto& b) {
+        return share_of_allowed(a) < share_of_allowed(b);
+      });
+      const auto met = std::count_if(outcome.begin(), outcome.end(),
+                                     [](const auto& c) { return share_of_allowed(c) <= 1; });
+      fmt::print("{} of {} constraints met, the worst is \"{}\" with residual {:.2e}{}\n", met,
+                 outcome.size(), worst->name, worst->residual, worst->degrees ? " degrees" : "");
     }
-    if (!worst) return;
-    fmt::print("{} constraints met, the worst is \"{}\" with residual {:.2e}{}\n",
-               flattening_.constraints.outcome.size(), worst->name, worst->residual,
-               worst->degrees ? " degrees" : "");
     if (price_) say_price();
+  }
+
+  /// Constraints whose residual is above what is allowed, or no number.
+  bool say_unmet() const {
+    bool any = false;
+    for (const ConstraintOutcome& c : flattening_.constraints.outcome) {
+      if (share_of_allowed(c) <= 1) continue;
+      any = true;
+      fmt::print(stderr, "planish: {}: constraint \"{}\" is not met, its residual is {:.2e}{}\n", args_.mesh,
+                 c.name, c.residual, c.degrees ? " degrees" : "");
+    }
+    return any;
   }
 
   void say_price() const {

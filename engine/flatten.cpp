@@ -43,11 +43,8 @@ class Run {
   Result<ConstraintPlan> plan() {
     return check()
         .and_then([&] { return compile_constraints(); })
-        .and_then([&]() -> Result<void> {
-          // Directions along a spanning tree: what contradicts itself does so whatever the rotations are.
-          return system_ ? system_->orient(exec_, piece_.start_input(), Init::Identity) : Result<void>();
-        })
         .and_then([&] { return order(); })
+        .and_then([&] { return system_ ? rotate() : Result<void>(); })
         .and_then([&] { return count(); })
         .map([&] { return std::move(plan_); });
   }
@@ -120,6 +117,7 @@ class Run {
     std::vector<Index> vertex(mesh().num_input_vertices, kNone), triangle(mesh().num_triangles(), kNone);
     for (Index v = 0; v < mesh().num_vertices(); ++v) vertex[mesh().vertex_origin[v]] = v;
     for (Index t = 0; t < mesh().num_triangles(); ++t) triangle[mesh().triangle_origin[t]] = t;
+    if (constraints_.features == nullptr) return;
     features_ = *constraints_.features;
     for (Feature& feature : features_) {
       for (Index& v : feature.vertex) v = vertex[v];
@@ -135,7 +133,7 @@ class Run {
       const auto feature =
           std::find_if(features_.begin(), features_.end(), [&](const Feature& f) { return f.name == name; });
       const bool on_boundary =
-          feature != features_.end() && !feature->is_region() && feature->closed &&
+          feature != features_.end() && !feature->is_region() &&
           std::all_of(feature->vertex.begin(), feature->vertex.end(), [&](Index v) {
             return piece_.loop_of[v] != kNone && piece_.loop_of[v] == piece_.loop_of[feature->vertex.front()];
           });
@@ -152,11 +150,15 @@ class Run {
   }
 
   Result<std::vector<Vec2>> map_region(const Surface& region) const {
-    auto flat = planish::flatten(region, {.threads = options_.threads});
+    const Monitor stop = [&](const Progress&) {
+      return monitor_ ? monitor_({.phase = Phase::Compile}) : Verdict::Continue;
+    };
+    auto flat = planish::flatten(region, {.threads = options_.threads}, stop);
     if (!flat) return fail(flat.error());
-    if (const Offset flips = flat->certificate.flipped_triangles; flips > 0) {
-      return fail(ErrorCode::ConstraintsConflict,
-                  "its own flattening turns over " + std::to_string(flips) + " triangles; make it smaller");
+    const Certificate& certificate = flat->certificate;
+    if (const Offset flips = certificate.flipped_triangles + certificate.overwound_vertices; flips > 0) {
+      return fail(ErrorCode::ConstraintsConflict, "its own flattening turns over or overwinds it at " +
+                                                      std::to_string(flips) + " places; make it smaller");
     }
     return std::move(flat->uv);
   }
@@ -294,7 +296,8 @@ class Run {
     if (!nonzeros) return fail(nonzeros.error());
     plan_.mesh = result_.mesh;
     plan_.mesh.outer = piece_.outer_loop;
-    plan_.unknowns = nodes_.num_nodes;
+    for (Index v = 0; v < mesh().num_vertices(); ++v) plan_.unknowns += nodes_.node[v] == v;
+    plan_.unknowns += nodes_.num_nodes - mesh().num_vertices();
     plan_.facts.factor_nonzeros = *nonzeros;
     if (system_) {
       auto dof = system_->dof_map(false);
@@ -303,7 +306,10 @@ class Run {
       plan_.facts = facts_of(**dof, *nonzeros);
     }
     constexpr Offset kBytesATriangle = 480;  // columns of the mesh and of the iteration, measured
-    plan_.memory_bytes = kBytesATriangle * mesh().num_triangles() + 2 * 8 * *nonzeros;
+    const Offset border = plan_.facts.border_unknowns;
+    constexpr Offset kDenseCopies = 3;  // corner, Schur complement, its factor
+    plan_.memory_bytes =
+        kBytesATriangle * mesh().num_triangles() + 2 * 8 * *nonzeros + kDenseCopies * 8 * border * border;
     return {};
   }
 

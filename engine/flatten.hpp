@@ -23,7 +23,7 @@ Result<Flattening> flatten(const Surface& surface, const FlattenOptions& options
 /// Constraints and the features they speak of, as embed() put them into the edges of the surface.
 struct Constraints {
   const ConstraintSet* set = nullptr;
-  const std::vector<Feature>* features = nullptr;
+  const std::vector<Feature>* features = nullptr;  ///< null: none, edges and pins alone
   In<Index> vertex_origin =
       {};  ///< of a surface that cut() opened: its vertices in the numbers of edges and pins
 };
@@ -36,8 +36,8 @@ struct Constraints {
 Result<Flattening> flatten(const Surface& surface, const Constraints& constraints,
                            const FlattenOptions& options = {}, const Monitor& monitor = {});
 
-/// What flattening with these constraints would work on, without solving it: every contradiction that flatten() would name
-/// before its first step is found.
+/// What flattening with these constraints would work on, without solving it. Rotations are solved for, so contradictions are
+/// found; open templates are taken the way round that the surface suggests, and are not turned onto pins.
 struct ConstraintPlan {
   MeshFacts mesh;
   ConstraintFacts facts;    ///< outcome is empty

@@ -6,6 +6,8 @@ namespace planish {
 
 Result<Price> price(const Surface& surface, const Constraints& constraints, const Flattening& flattening,
                     const FlattenOptions& options, const Monitor& monitor) {
+  if (constraints.set == nullptr)
+    return fail(ErrorCode::BadUsage, "there are no constraints to state prices of");
   Price result{.energy = flattening.certificate.arap};
   const auto unconstrained = flatten(surface, options, monitor);
   if (!unconstrained) return fail(unconstrained.error());

@@ -43,9 +43,7 @@ SymmetricMatrix Workpiece::whole_laplacian(const Exec& exec) const {
 }
 
 Result<GlobalPhase> Workpiece::factor(const SymmetricMatrix& laplacian) const {
-  std::vector<Index> whole = order;
-  for (auto node = static_cast<Index>(order.size()); node < laplacian.size(); ++node) whole.push_back(node);
-  return GlobalPhase::factor(laplacian, whole);
+  return GlobalPhase::factor(laplacian, order);
 }
 
 ArapProblem Workpiece::problem(GlobalPhase& global, const NodeMap& nodes, DofMap& first, DofMap& dof,

@@ -142,6 +142,7 @@ Json outcome_json(const ConstraintOutcome& c) {
   json["planarity"] = optional(c.planarity);
   json["mismatch"] = number(c.mismatch);
   json["yielded"] = c.yielded;
+  if (!c.yielded_to.empty()) json["yielded_to"] = c.yielded_to;
   if (c.type == "line") json["keeps_order"] = c.keeps_order;
   return json;
 }

@@ -112,7 +112,11 @@ class Agreeing {
   bool is_overdetermined(Index a, Index b, std::size_t shared) const {
     const Body &x = bodies()[a], &y = bodies()[b];
     if (x.kind == Body::Kind::FreeLine || y.kind == Body::Kind::FreeLine) return false;
-    return shared >= (x.scale && y.scale ? 2u : 3u);
+    return shared >= ((x.scale && y.scale) || one_group(x, y) ? 2u : 3u);
+  }
+
+  static bool one_group(const Body& x, const Body& y) {
+    return !x.scale_group.empty() && x.scale_group == y.scale_group;
   }
 
   double allowed(double size) const { return view_.set->agreement * size; }
@@ -138,7 +142,7 @@ class Agreeing {
       to.push_back(high.shape[j]);
     }
     const bool known = fitted_.root(a) == fitted_.root(b);
-    const double ratio = low.scale && high.scale ? *low.scale / *high.scale : 0;
+    const double ratio = one_group(low, high) ? 1 : low.scale && high.scale ? *low.scale / *high.scale : 0;
     const Placement placement = known ? fitted_.between(a, b) : best_placement(from, to, ratio);
     const double size = std::min(low.size, high.size);
     double mismatch = 0;
@@ -254,8 +258,11 @@ bool part(Agreement& agreement, const Compiled& compiled, const Joint& joint, do
   });
   if (found == agreement.joints.end()) return false;
   agreement.joints.erase(found);
+  std::erase_if(agreement.joints, [&](const Joint& other) {
+    return other.kind == Joint::Kind::Pin && other.a == joint.a && other.place_a == joint.place_a;
+  });
   agreement.yielded[joint.a][joint.place_a] = 1;
-  if (mismatch > agreement.mismatch[joint.a]) {
+  if (mismatch >= agreement.mismatch[joint.a]) {
     agreement.mismatch[joint.a] = mismatch;
     agreement.mismatch_with[joint.a] = compiled.bodies[joint.b].constraint;
   }

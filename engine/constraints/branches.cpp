@@ -62,7 +62,10 @@ class BranchChoice {
     std::vector<Index> all(relations().size());
     std::iota(all.begin(), all.end(), 0);
     std::vector<double> difference;
-    if (!assign(all, difference)) return fail(name_conflict(all));
+    if (!assign(all, difference)) {
+      if (gave_up_) return fail(too_many_choices());
+      return fail(name_conflict(all));
+    }
     return finish(difference);
   }
 
@@ -207,7 +210,10 @@ class BranchChoice {
       if (i == block.size()) return true;
       const Relation& r = relations()[chosen[block[i]]];
       for (const double candidate : candidates(r)) {
-        if (++trials > kMostTrials) return false;
+        if (++trials > kMostTrials) {
+          gave_up_ = true;
+          return false;
+        }
         const Index hung = sets.join(a_of(r), b_of(r), candidate);
         if (hung == kNone) {
           const double now = sets.against_root(b_of(r)) - sets.against_root(a_of(r));
@@ -220,6 +226,14 @@ class BranchChoice {
       return false;
     };
     return next(next, 0);
+  }
+
+  Error too_many_choices() const {
+    return {
+        .code = ErrorCode::ConstraintInvalid,
+        .what = "among the angles that undirected constraints allow no choice that adds up was found in " +
+                std::to_string(kMostTrials) + " trials; make some of them oriented",
+        .place = {.file = {}, .pointer = "/constraints"}};
   }
 
   /// Leaves out one relation after the other, as long as what remains still cannot hold.
@@ -286,6 +300,7 @@ class BranchChoice {
   Measured measured_;
   std::vector<double> frame_turn_;
   std::vector<Index> frame_set_;
+  mutable bool gave_up_ = false;
 };
 
 }  // namespace

@@ -121,6 +121,7 @@ Result<void> make_closed_circle(const ChainInput& input, const CircleConstraint&
   if (!polygon)
     return impossible(input, "an edge of " + quoted(input) + " is as long as all its others together");
   body.shape = std::move(polygon->corner);
+  body.planarity = plane_of(input).plane.farthest;
   radius = polygon->radius;
   auto oriented = orient_closed(input, body);
   body.mirrored = false;  // a circle has no other way round

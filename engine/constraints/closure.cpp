@@ -10,8 +10,6 @@
 namespace planish {
 namespace {
 
-constexpr double kLeastScale = 1e-3;
-
 bool is_collapsed(const Poses& poses) {
   const Index least = poses.smallest();
   return least != kNone && poses.scale(least) < kLeastScale;

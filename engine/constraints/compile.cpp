@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "engine/constraints/chain_shape.hpp"
 #include "engine/features/one_ring.hpp"
@@ -17,7 +18,7 @@ class Compiler {
     for (Index f = 0; f < static_cast<Index>(view.features.size()); ++f)
       instances_[view.features[f].name].push_back(f);
     for (const Constraint& c : view.set->constraints) {
-      if (const auto* line = std::get_if<LineConstraint>(&c.rule)) lines_[line->feature] = true;
+      if (const auto* line = std::get_if<LineConstraint>(&c.rule)) lines_.insert(line->feature);
     }
   }
 
@@ -82,7 +83,7 @@ class Compiler {
     Error error = constraint_error(ErrorCode::ConstraintInvalid, *view_.set, at_,
                                    "\"" + chain.name + "\" passes a vertex twice, and has no template");
     error.element = ElementKind::Vertex;
-    error.ids = {rest_.mesh->vertex_origin[*twice]};
+    error.ids = {view_.origin_of(rest_.mesh->vertex_origin[*twice])};
     error.count = 1;
     return fail(error);
   }
@@ -159,7 +160,7 @@ class Compiler {
     for (const Measured& a : end[0]) {
       for (const Measured& b : end[1]) {
         if (a.side != 0 && b.side != 0 && a.side != b.side) continue;
-        if (a.body == b.body) return invalid("its two features are one");
+        if (a.body == b.body) return invalid("what it relates is one and the same");
         result_.relations.push_back({at_, a.body, b.body, a.along, b.along, rule.degrees, rule.oriented});
       }
     }
@@ -207,6 +208,12 @@ class Compiler {
           result.push_back({add_chord(kNone, {u, v}), 0, 0});
       }
     }
+    if (result.size() == 2) {  // both sides of a seam
+      const std::vector<Index>& first = result_.bodies[result[0].body].vertex;
+      const bool left = half_edge(rest_.surface(), *rest_.topology, first[0], first[1]) != kNone;
+      result[0].side = left ? 1 : 2;
+      result[1].side = left ? 2 : 1;
+    }
     if (result.empty()) {
       return invalid("the mesh has no edge " + std::to_string(edge[0]) + "-" + std::to_string(edge[1]) +
                      "; if a feature cut it, make a feature of it");
@@ -223,6 +230,8 @@ class Compiler {
     const auto& position = rest_.mesh->position;
     Body body{.kind = Body::Kind::Chord, .constraint = at_, .feature = feature, .vertex = {ends[0], ends[1]}};
     body.size = norm(position[ends[1]] - position[ends[0]]);
+    constexpr double kSamePlace = 1e-6;
+    if (body.size < kSamePlace) body.size = 1;  // the scale is free, so any size will do
     body.shape = {{-0.5 * body.size, 0}, {0.5 * body.size, 0}};
     body.scale = std::nullopt;
     body.adjacent = share_edge(rest_.surface(), *rest_.topology, ends[0], ends[1]);
@@ -235,7 +244,7 @@ class Compiler {
   const RegionMap& map_;
   Chirality chirality_;
   std::map<std::string, std::vector<Index>> instances_;
-  std::map<std::string, bool> lines_;
+  std::set<std::string> lines_;
   std::vector<std::pair<Index, Index>> by_input_;  // vertex of the input, vertex here; filled when needed
   Index at_ = 0;
   Compiled result_;

@@ -47,9 +47,10 @@ class Starting {
     for (Index b = 0; b < static_cast<Index>(system_.compiled().bodies.size()); ++b) {
       if (!system_.compiled().bodies[b].chirality_open) continue;
       const Result<double> as_it_is = trial_energy();
-      if (!as_it_is && as_it_is.error().code == ErrorCode::Cancelled) return fail(as_it_is.error());
+      if (!as_it_is && as_it_is.error().code != ErrorCode::ConstraintsConflict) return fail(as_it_is.error());
       auto mirrored = mirror(b);
       const Result<double> other = mirrored ? trial_energy() : fail(mirrored.error());
+      if (!other && other.error().code != ErrorCode::ConstraintsConflict) return fail(other.error());
       if (other && (!as_it_is || *other < *as_it_is)) continue;
       if (auto back = mirror(b); !back) return back;
       if (!as_it_is) return fail(as_it_is.error());

@@ -90,13 +90,21 @@ class Orienting {
       if (widest.size <= kClosed) return;
       const Joint joint = agreement_.joints[widest.joint];
       const double size = std::min(bodies()[joint.a].size, bodies()[joint.b].size);
-      // The gap was spread over the cycle; where it opens again it is as many times as wide.
-      const double mismatch = widest.size * static_cast<double>(agreement_.joints.size());
-      if (mismatch > view_.set->agreement * size) return;
-      part(agreement_, compiled_, joint, mismatch);
+      // The gap was spread over the joints of a cycle; where one of them takes all it is at most as many times as wide.
+      if (widest.size * widest.tied > view_.set->agreement * size) return;
+      part(agreement_, compiled_, joint, 0);
+      const double mismatch = gap_without(joint, clusters, angle);
+      agreement_.mismatch[joint.a] = std::max(agreement_.mismatch[joint.a], mismatch);
       result_.parted.push_back({joint, mismatch});
       owners_ = find_owners(compiled_, agreement_);
     }
+  }
+
+  /// How far a joint that was given up gapes where all others close.
+  double gap_without(const Joint& joint, const Clusters& clusters, In<double> angle) const {
+    Poses poses(compiled_, agreement_, assemblies_, clusters, angle);
+    poses.close();
+    return norm(poses.point(joint.a, joint.place_a) - poses.point(joint.b, joint.place_b));
   }
 
   Result<void> lay_out(const Clusters& clusters, In<double> angle) {

@@ -128,6 +128,8 @@ ConstraintOutcome ConstraintSystem::outcome_of_body(const Body& body, Index numb
   if (body.kind == Body::Kind::Region) outcome.planarity = body.planarity;
   outcome.mismatch = unit * agreement_.mismatch[number];
   if (outcome.mismatch > 0) {
+    if (const Index to = agreement_.mismatch_with[number]; to != kNone)
+      outcome.yielded_to = view_.set->constraints[to].name;
     for (std::size_t i = 0; i < yielded.size(); ++i) {
       if (yielded[i]) outcome.yielded.push_back(rest_.mesh->vertex_origin[body.vertex[i]]);
     }

@@ -103,7 +103,7 @@ class EquationWriter {
       at(s.c, weight);
       at(s.c + 1, {-weight.y, weight.x});
     }
-    if (s.scale_slot != kNone) at(s.scale_slot, multiply(weight, (1 / norm(c)) * c));
+    if (s.scale_slot != kNone) at(s.scale_slot, multiply(weight, poses_.heading(body)));
     if (s.angle_slot != kNone) at(s.angle_slot, multiply(weight, {-c.y, c.x}));
   }
 
@@ -162,14 +162,14 @@ double PoseGroup::close() {
   std::vector<double>& value = PoseAccess::values(poses_);
   for (int step = 0;; ++step) {
     const JointEquations now = PoseAccess::equations(poses_, joint_, slot_.size());
-    gap_ = now.residual.size() > 0 ? now.residual.cwiseAbs().maxCoeff() : 0;
-    if (gap_ <= kMet || step == kMostSteps || !std::isfinite(gap_)) return gap_;
+    const double gap = now.residual.size() > 0 ? now.residual.cwiseAbs().maxCoeff() : 0;
+    if (gap <= kMet || step == kMostSteps || !std::isfinite(gap)) return gap;
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
     solver.setThreshold(kRank);
     solver.compute(now.derivative);
     Eigen::VectorXd change = solver.solve(-now.residual);
     const double largest = change.cwiseAbs().maxCoeff();
-    if (!(largest > 1e-16)) return gap_;
+    if (!(largest > 1e-16)) return gap;
     if (largest > kLargestTurn) change *= kLargestTurn / largest;
     for (std::size_t i = 0; i < slot_.size(); ++i) value[slot_[i]] += change[static_cast<Eigen::Index>(i)];
   }

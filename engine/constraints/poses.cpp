@@ -272,7 +272,12 @@ Poses::Gaping Poses::widest_joint() const {
     const Joint& joint = agreement_->joints[k];
     if (joint.kind != Joint::Kind::Coincide) continue;
     const double gap = norm(point(joint.a, joint.place_a) - point(joint.b, joint.place_b));
-    if (gap > widest.size) widest = {k, gap};
+    if (gap > widest.size) widest = {k, gap, 0};
+  }
+  for (const auto& group : groups_) {
+    const std::vector<Index>& joints = group->joints();
+    if (std::find(joints.begin(), joints.end(), widest.joint) != joints.end())
+      widest.tied = static_cast<Index>(joints.size());
   }
   return widest;
 }
@@ -280,6 +285,7 @@ Poses::Gaping Poses::widest_joint() const {
 Index Poses::smallest() const {
   Index least = kNone;
   for (Index b = 0; b < static_cast<Index>(slots_.size()); ++b) {
+    if (compiled_->bodies[b].scale) continue;
     if (least == kNone || scale(b) < scale(least)) least = b;
   }
   return least;

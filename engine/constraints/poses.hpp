@@ -40,6 +40,9 @@ struct PoseSlots {
       tau;  ///< of a line with free lengths: the place of each vertex along it, kNone of the first
 };
 
+/// A free scale below has no size worth the name (DESIGN 3.4).
+inline constexpr double kLeastScale = 1e-3;
+
 class PoseGroup;
 
 /// Poses of all bodies of a compiled set. The set and the agreement must outlive it.
@@ -74,6 +77,7 @@ class Poses {
   struct Gaping {
     Index joint = kNone;
     double size = 0;
+    Index tied = 0;  ///< joints that are solved together with it
   };
   Gaping widest_joint() const;
 
@@ -82,9 +86,11 @@ class Poses {
   double angle(Index body) const { return argument(factor(body)); }
   /// |c|, negative where a free scale has turned the body over its centre.
   double scale(Index body) const;
+  /// Unit vector of a body's direction, whatever the sign of its scale; of one whose scale is no slot of its own, c / |c|.
+  Vec2 heading(Index body) const;
   /// A vertex of a body, against its assembly.
   Vec2 point(Index body, Index place) const;
-  /// The body of least scale.
+  /// The body of least free scale, kNone where none is free.
   Index smallest() const;
 
   // ---- free coordinates ----
@@ -145,14 +151,12 @@ class PoseGroup {
   /// Change of the slot at a place with free coordinate k, at the base.
   double at_base(Index place, Index k) const;
   const std::vector<Index>& joints() const { return joint_; }
-  double gap() const { return gap_; }
 
  private:
   struct Dense;
   Poses& poses_;
   std::vector<Index> slot_, joint_;
   bool linear_ = true;
-  double gap_ = 0;
   std::unique_ptr<Dense> dense_;
 };
 
@@ -166,6 +170,12 @@ inline Vec2 Poses::factor(Index body) const {
 inline double Poses::scale(Index body) const {
   const PoseSlots& s = slots_[body];
   return s.scale_slot == kNone ? norm(factor(body)) : value_[s.scale_slot];
+}
+
+inline Vec2 Poses::heading(Index body) const {
+  const PoseSlots& s = slots_[body];
+  if (s.c != kNone) return unit(argument({value_[s.c], value_[s.c + 1]}));
+  return unit((s.angle_slot == kNone ? 0 : value_[s.angle_slot]) + s.offset);
 }
 
 inline Vec2 Poses::translation(Index body) const {
@@ -200,7 +210,7 @@ void Poses::visit_slots(Index body, Index place, Visit visit) const {
     visit(s.c, t);
     visit(s.c + 1, Vec2{-t.y, t.x});
   }
-  if (s.scale_slot != kNone) visit(s.scale_slot, multiply((1 / norm(c)) * c, t));
+  if (s.scale_slot != kNone) visit(s.scale_slot, multiply(heading(body), t));
   if (s.angle_slot != kNone) {
     const Vec2 ct = multiply(c, t);
     visit(s.angle_slot, Vec2{-ct.y, ct.x});

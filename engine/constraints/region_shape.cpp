@@ -128,9 +128,20 @@ Result<void> make_region(const RestSurface& rest, const ConstraintSet& set, cons
   std::vector<RestFrame> frame;
   for (const Index t : body.triangle) frame.push_back(rest.frame[t]);
   const std::vector<double> angle_sum = angle_sums(region, frame);
+  if (topology.num_components > 1)
+    return refuse("a cut parts its region in " + std::to_string(topology.num_components) +
+                  "; make a feature of each part");
+  // The rim is the loop that turns once to the left; all others are holes, and turn once to the right.
+  Index rim = 0;
+  const auto off_rim = [&](Index loop) {
+    return std::abs(holonomy(region, topology, loop, angle_sum) - 4 * kPi);
+  };
   for (Index loop = 1; loop < topology.num_loops(); ++loop) {
+    if (off_rim(loop) < off_rim(rim)) rim = loop;
+  }
+  for (Index loop = 0; loop < topology.num_loops(); ++loop) {
     const double gap = holonomy(region, topology, loop, angle_sum);
-    if (std::abs(gap) <= kLargestHolonomy) continue;
+    if (loop == rim || std::abs(gap) <= kLargestHolonomy) continue;
     return refuse("its region does not close in the plane around one of its holes (it turns by " +
                   in_words(gap * 180 / kPi) +
                   " degrees too much, as a tube does by 360); add a seam that opens it");
@@ -144,6 +155,7 @@ Result<void> make_region(const RestSurface& rest, const ConstraintSet& set, cons
       Error error = mapped.error();
       error.what = "constraint \"" + set.constraints[body.constraint].name +
                    "\": its region has no shape of its own in the plane: " + error.what;
+      error.place.pointer = "/constraints/" + std::to_string(body.constraint);
       error.ids.clear();
       error.element = ElementKind::None;
       return fail(error);

@@ -29,9 +29,7 @@ Result<RotationProblem> RotationProblem::make(const Exec& exec, const RestSurfac
   problem.laplacian_ = quotient_laplacian(
       exec, sectors.corner_sector, sectors.opened, problem.node_, problem.num_nodes_,
       [&](Index c) { return sectors.opened.corner_twin[c] == kNone ? 0.0 : problem.weight_(c); });
-  std::vector<Index> order = sector_order(sectors, input.order);
-  for (Index node = sectors.num_sectors(); node < problem.num_nodes_; ++node) order.push_back(node);
-  auto global = GlobalPhase::factor(problem.laplacian_, order);
+  auto global = GlobalPhase::factor(problem.laplacian_, sector_order(sectors, input.order));
   if (!global) return fail(global.error());
   problem.global_.emplace(std::move(*global));
   return problem;

@@ -34,10 +34,15 @@ Result<void> ConstraintSystem::orient(const Exec& exec, const StartInput& input,
   auto oriented = planish::orient(exec, rest_, view_, compiled_, input, init);
   if (!oriented) return fail(oriented.error());
   orientation_ = std::move(*oriented);
+  part_joints();
+  return {};
+}
+
+/// What orienting found to close only nearly. Joints that pins have replaced are not there any more.
+void ConstraintSystem::part_joints() {
   for (const Orientation::Parted& parted : orientation_.parted)
     part(agreement_, compiled_, parted.joint, parted.mismatch);
   if (!orientation_.parted.empty()) owners_ = find_owners(compiled_, agreement_);
-  return {};
 }
 
 /// Whether all that gives a component its direction speaks of undirected lines against the u axis.
@@ -79,6 +84,7 @@ Result<std::unique_ptr<ConstraintSystem>> ConstraintSystem::without_pins() const
   system->compiled_.pins.clear();
   if (auto settled = system->settle(); !settled) return fail(settled.error());
   system->orientation_ = orientation_;
+  system->part_joints();
   return system;
 }
 
@@ -86,7 +92,7 @@ Result<std::unique_ptr<DofMap>> ConstraintSystem::dof_map(bool frozen) const {
   auto poses = closed_poses(compiled_, view_, *rest_.mesh, agreement_, assemblies_, orientation_.clusters,
                             orientation_.angle);
   if (!poses) return fail(poses.error());
-  if (has_pins()) {
+  if (!compiled_.pins.empty()) {
     (*poses)->set_base();
     auto checked = check_pinned_triangles(rest_, view_, compiled_, owners_, assemblies_, **poses);
     if (!checked) return fail(checked.error());
@@ -127,11 +133,12 @@ Result<void> ConstraintSystem::mirror(Index body) {
 }
 
 Result<void> ConstraintSystem::check_scales(const Poses& poses) const {
-  constexpr double kLeastScale = 1e-3;
   const Index least = poses.smallest();
   if (least == kNone || poses.scale(least) >= kLeastScale) return {};
   return fail(constraint_error(ErrorCode::ConstraintsConflict, *view_.set, compiled_.bodies[least].constraint,
-                               "the best map shrinks its free scale below 0.001; give it a scale"));
+                               compiled_.bodies[least].kind == Body::Kind::Chord
+                                   ? "the best map brings the ends that it measures together"
+                                   : "the best map shrinks its free scale below 0.001; give it a scale"));
 }
 
 }  // namespace planish

@@ -26,7 +26,6 @@ class ConstraintSystem {
   void turn(In<double> by_component);
   /// Components whose direction is given.
   In<std::uint8_t> directed() const { return orientation_.directed; }
-  bool has_pins() const { return !compiled_.pins.empty(); }
   /// The same without pins, oriented alike: where the map would lie by itself.
   Result<std::unique_ptr<ConstraintSystem>> without_pins() const;
   const std::vector<Pin>& pins() const { return compiled_.pins; }
@@ -54,6 +53,7 @@ class ConstraintSystem {
   ConstraintSystem(const RestSurface& rest, const ConstraintView& view, In<Index> vertex_component)
       : rest_(rest), view_(view), vertex_component_(vertex_component) {}
   Result<void> settle();
+  void part_joints();
   bool half_turn_is_free(Index component) const;
   ConstraintOutcome outcome_of_body(const Body& body, Index number, In<Vec2> uv, const Poses& poses) const;
   ConstraintOutcome outcome_of_relation(std::size_t number, In<Vec2> uv) const;

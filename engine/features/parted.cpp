@@ -12,7 +12,6 @@ namespace {
 
 std::set<std::string> named_by(const ConstraintSet& set) {
   std::set<std::string> names;
-  if (!set.outer.empty()) names.insert(set.outer);
   for (const Constraint& constraint : set.constraints) {
     std::visit(
         [&](const auto& rule) {
@@ -58,13 +57,14 @@ SideChain side_chain(const Surface& surface, const Topology& topology, const Cut
 
 }  // namespace
 
-Result<std::vector<Feature>> features_on_cut(const Surface& surface, const Cut& cut,
+Result<std::vector<Feature>> features_on_cut(const Exec& exec, const Surface& surface, const Cut& cut,
                                              const std::vector<Feature>& features, const ConstraintSet& set) {
-  const Topology topology = build_topology(Exec(), surface);
+  const Topology topology = build_topology(exec, surface);
   const std::set<std::string> named = named_by(set);
   std::vector<Feature> result;
   for (const Feature& feature : features) {
-    if (!named.contains(feature.name)) continue;
+    const bool is_outer = feature.name == set.outer && !named.contains(feature.name);
+    if (!named.contains(feature.name) && !is_outer) continue;
     if (feature.is_region()) {
       result.push_back(feature);
       continue;
@@ -72,7 +72,7 @@ Result<std::vector<Feature>> features_on_cut(const Surface& surface, const Cut& 
     SideChain left = side_chain(surface, topology, cut, feature, true);
     SideChain right = side_chain(surface, topology, cut, feature, false);
     for (const Index torn : {left.torn, right.torn}) {
-      if (torn == kNone) continue;
+      if (torn == kNone || is_outer) continue;
       Error error =
           feature_error(ErrorCode::ConstraintInvalid, feature.name,
                         "is cut apart by a seam that crosses it; constrain its parts as features of their "
@@ -82,7 +82,7 @@ Result<std::vector<Feature>> features_on_cut(const Surface& surface, const Cut& 
       error.count = 1;
       return fail(error);
     }
-    const bool parted = left.vertex != right.vertex;
+    const bool parted = left.vertex != right.vertex && !is_outer;
     Feature copy = feature;
     copy.vertex = std::move(left.vertex);
     copy.side = parted ? 1 : 0;

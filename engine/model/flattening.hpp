@@ -65,8 +65,9 @@ struct ConstraintOutcome {
   bool mirrored = false;
   bool chirality_open = false;  ///< the surface did not tell which way round; the better one was taken
   std::optional<double> planarity =
-      {};               ///< farthest vertex from its plane, mesh units; of a region: worst stretch - 1
-  double mismatch = 0;  ///< by how much it yielded to features of higher rank, mesh units
+      {};  ///< farthest vertex from its plane, mesh units; of a region: worst stretch - 1
+  std::string yielded_to = {};      ///< the constraint that it yielded to most
+  double mismatch = 0;              ///< by how much it yielded to features of higher rank, mesh units
   std::vector<Index> yielded = {};  ///< vertices where it did
   bool keeps_order = true;          ///< of a line: no edge runs backwards
 };

@@ -16,8 +16,7 @@ struct ConstraintPrice {
 struct Price {
   double energy = 0;         ///< `arap` with all constraints
   double unconstrained = 0;  ///< without any, on the same mesh
-  double without_refit =
-      0;  ///< with all, directions kept as the first rotations have them; never below `energy`
+  double without_refit = 0;  ///< with all, directions kept as the first rotations have them
   std::vector<ConstraintPrice> constraints = {};  ///< in the order of the file
 };
 

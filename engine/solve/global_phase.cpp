@@ -95,6 +95,13 @@ cholmod_sparse view(const SymmetricMatrix& matrix) {
   return sparse;
 }
 
+/// With the rows beyond the given ones last.
+std::vector<Index> whole_order(In<Index> order, Index size) {
+  std::vector<Index> whole(order.begin(), order.end());
+  for (auto row = static_cast<Index>(order.size()); row < size; ++row) whole.push_back(row);
+  return whole;
+}
+
 Failure out_of_memory(const char* step) {
   return fail(ErrorCode::OutOfMemory,
               std::string("not enough memory for the ") + step + " of the sparse factor");
@@ -119,8 +126,7 @@ Result<std::vector<Index>> fill_reducing_order(const SymmetricMatrix& matrix) {
 
 Result<Offset> factor_nonzeros(const SymmetricMatrix& matrix, In<Index> order) {
   Common cholmod;
-  std::vector<Index> whole(order.begin(), order.end());
-  for (auto row = static_cast<Index>(order.size()); row < matrix.size(); ++row) whole.push_back(row);
+  std::vector<Index> whole = whole_order(order, matrix.size());
   cholmod_sparse sparse = view(matrix);
   cholmod_factor* factor = cholmod_analyze_p(&sparse, whole.data(), nullptr, 0, &cholmod.common);
   if (!factor) return out_of_memory("analysis");
@@ -160,8 +166,8 @@ GlobalPhase::~GlobalPhase() = default;
 Result<GlobalPhase> GlobalPhase::factor(const SymmetricMatrix& matrix, In<Index> order) {
   auto analysed = std::make_unique<Factor>();
   cholmod_sparse sparse = planish::view(matrix);
-  analysed->factor =
-      cholmod_analyze_p(&sparse, const_cast<Index*>(order.data()), nullptr, 0, &analysed->cholmod.common);
+  std::vector<Index> whole = whole_order(order, matrix.size());
+  analysed->factor = cholmod_analyze_p(&sparse, whole.data(), nullptr, 0, &analysed->cholmod.common);
   if (!analysed->factor) return out_of_memory("analysis");
   analysed->tree = SupernodeTree(analysed->view());
   GlobalPhase result(std::move(analysed));

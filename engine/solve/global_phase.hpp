@@ -24,7 +24,7 @@ Result<Offset> factor_nonzeros(const SymmetricMatrix& matrix, In<Index> order);
 /// elimination tree.
 class GlobalPhase {
  public:
-  /// Symbolic analysis and factorization with a given order.
+  /// Symbolic analysis and factorization with a given order; rows beyond it are eliminated last.
   /// Fails: FactorizationFailed naming the row of the bad pivot (as Error::ids); OutOfMemory.
   static Result<GlobalPhase> factor(const SymmetricMatrix& matrix, In<Index> order);
   /// Factors another matrix of the same pattern; the analysis is kept. After a failure only refactor may be

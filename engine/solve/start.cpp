@@ -10,19 +10,12 @@
 namespace planish {
 namespace {
 
-/// The vertices' order, then the nodes of holes: dense rows are eliminated last.
-std::vector<Index> order_with_holes(In<Index> order, Index num_nodes) {
-  std::vector<Index> extended(order.begin(), order.end());
-  for (auto node = static_cast<Index>(order.size()); node < num_nodes; ++node) extended.push_back(node);
-  return extended;
-}
-
 Result<std::vector<double>> solve_rotation_rows(const Exec& exec, const StartInput& input,
                                                 const RotationRows& rows, const EdgeWeight& weight,
                                                 double& residual) {
   const SymmetricMatrix laplacian = quotient_laplacian(exec, input.corner_vertex, *input.topology,
                                                        rows.vertex_node, rows.num_nodes, weight);
-  auto global = GlobalPhase::factor(laplacian, order_with_holes(input.order, rows.num_nodes));
+  auto global = GlobalPhase::factor(laplacian, input.order);
   if (!global) return fail(global.error());
   std::vector<Vec2> x(rows.num_nodes);
   for (Index j = 0; j < rows.num_nodes; ++j) x[j] = {rows.target[j], 0};

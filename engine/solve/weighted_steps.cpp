@@ -24,7 +24,7 @@ class WeightedSteps {
 
   /// The minimiser for the present rotations and weights.
   Result<void> step() {
-    auto global = GlobalPhase::factor(laplacian(), whole_order());
+    auto global = GlobalPhase::factor(laplacian(), problem_.order);
     if (!global) return fail(global.error());
     dof_.rebase(x_);
     const DofMap::Border border = dof_.border(corner_vertex(), *problem_.topology, weight());
@@ -94,12 +94,6 @@ class WeightedSteps {
   SymmetricMatrix laplacian() const {
     return quotient_laplacian(exec_, corner_vertex(), *problem_.topology, dof_.nodes().node, dof_.num_nodes(),
                               weight());
-  }
-
-  std::vector<Index> whole_order() const {
-    std::vector<Index> order(problem_.order.begin(), problem_.order.end());
-    for (auto node = static_cast<Index>(order.size()); node < dof_.num_nodes(); ++node) order.push_back(node);
-    return order;
   }
 
   void evaluate_rotations() {

@@ -68,6 +68,7 @@ Flattening constrained() {
                             .mirrored = false,
                             .chirality_open = true,
                             .planarity = 0.25,
+                            .yielded_to = "round",
                             .mismatch = 1e-9,
                             .yielded = {4, 6}},
                            {.name = "d", .type = "direction", .edges = {{7, 8}}, .degrees = 45.0},

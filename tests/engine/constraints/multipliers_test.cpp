@@ -45,7 +45,7 @@ class FirstStep {
 
   /// The same equations, solved with multipliers.
   multipliers::Solution solve() const { return multipliers::solve(problem(*system_, true)); }
-  bool pinned() const { return system_->has_pins(); }
+  bool pinned() const { return system_->pins().size() > 0; }
   bool directed() const { return system_->directed()[0] != 0; }
 
  private:

@@ -283,7 +283,8 @@ TEST_CASE("poses: frozen clusters keep directions, and adopted poses are the sam
   CHECK(still.turned() < 1e-12);
 }
 
-TEST_CASE("poses: turned is the largest turn of a body since the base, smallest the body of least scale") {
+TEST_CASE(
+    "poses: turned is the largest turn of a body since the base, smallest the body of least free scale") {
   Bodies bodies;
   bodies.add_line({0, 1}, std::vector<double>{1});
   bodies.add_line({2, 3}, std::vector<double>{1});
@@ -294,7 +295,14 @@ TEST_CASE("poses: turned is the largest turn of a body since the base, smallest 
   REQUIRE(two.poses->num_free() == 2);
   REQUIRE(two.poses->move_to(std::vector<double>{0.1, -0.3}));
   CHECK(two.poses->turned() == doctest::Approx(0.3).epsilon(1e-12));
-  CHECK(two.poses->smallest() == 1);
+  CHECK(two.poses->smallest() == kNone);  // both scales are given
+  Bodies free;
+  free.add_line({0, 1}, std::vector<double>{1});
+  free.add_line({2, 3}, std::vector<double>{1});
+  free.compiled.bodies[0].scale = 0.25;
+  free.compiled.bodies[1].scale = std::nullopt;
+  Posed one(std::move(free), {0.5, 3.0});
+  CHECK(one.poses->smallest() == 1);
 }
 
 TEST_CASE("poses: bodies that hang together are one assembly, pinned where a pin holds any of them") {

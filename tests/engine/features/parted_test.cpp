@@ -36,7 +36,7 @@ struct Opened {
     cut = std::move(*opened);
   }
   Result<std::vector<Feature>> parted(const ConstraintSet& set) const {
-    return features_on_cut(mesh.surface(), cut, features, set);
+    return features_on_cut(Exec(1), mesh.surface(), cut, features, set);
   }
   bool has_half_edge(Index u, Index v) const {
     for (Index c = 0; c < static_cast<Index>(cut.corner_vertex.size()); ++c) {
