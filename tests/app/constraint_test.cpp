@@ -760,6 +760,89 @@ TEST_CASE("constraints: real panels become rectangles of free, kept or pinned as
   check_rectangles(PLANISH_SHARED_DATA "/automotive/hood.ply", 1.45, 1.16);
 }
 
+// ---- the paper's figures ----
+
+namespace {
+
+/// A mesh of the shared data with constraints, flattened and checked; what flatten without them says of the same mesh.
+struct Figure {
+  Figure(const std::string& mesh, const json& constraints) {
+    const Scratch scratch;
+    write(scratch.file("c.json"), constraints.dump());
+    const std::string common = " --report " + scratch.file("r.json") + " -o " + scratch.file("o.ply");
+    const Ran plain = run("flatten " + mesh + common);
+    unconstrained = json::parse(content_of(scratch.file("r.json")));
+    ran = run("flatten " + mesh + " -c " + scratch.file("c.json") + common + " --picture " +
+              scratch.file("p.png"));
+    REQUIRE_MESSAGE((ran.code == 0 || ran.code == 6), ran.err);
+    report = json::parse(content_of(scratch.file("r.json")));
+    const Ran check = checked(scratch.file("c.json"), scratch.file("o.ply"), scratch.file("r.json"));
+    CHECK_MESSAGE(check.code == 0, check.out);
+    CHECK(std::filesystem::file_size(scratch.file("p.png")) > 10000);
+  }
+  Ran ran;
+  json report, unconstrained;
+};
+
+double arap(const json& report) { return report.at("energy").at("arap"); }
+
+json shared_set(const std::string& name) {
+  return json::parse(content_of(PLANISH_SHARED_DATA "/" + name + ".constraints.json"));
+}
+
+/// The outer loop of a mesh.
+std::vector<int> rim_of(const std::string& mesh) {
+  const Scratch scratch;
+  write(scratch.file("c.json"), R"({"version": 1, "features": {"rim": {"loop": 0}}})");
+  REQUIRE(
+      run("embed " + mesh + " -c " + scratch.file("c.json") + " --report " + scratch.file("r.json")).code ==
+      0);
+  return json::parse(content_of(scratch.file("r.json"))).at("features").at("rim").at("vertices");
+}
+
+}  // namespace
+
+TEST_CASE("constraints: figure 1, a straight line and a planar curve share a boundary, both of free scale") {
+  if (absent(PLANISH_SHARED_DATA)) return;
+  const std::string mesh = PLANISH_SHARED_DATA "/automotive/windscreen.ply";
+  const std::vector<int> rim = rim_of(mesh);
+  const json top = shared_set("automotive/windscreen.a").at("features").at("top_edge");
+  const auto middle =
+      std::find(rim.begin(), rim.end(), top.at("vertices")[top.at("vertices").size() / 2].get<int>());
+  REQUIRE(middle != rim.end());
+  const std::size_t n = rim.size(), opposite = static_cast<std::size_t>(middle - rim.begin()) + n / 2;
+  std::vector<int> bottom;
+  for (std::size_t k = opposite - 40; k <= opposite + 40; ++k) bottom.push_back(rim[k % n]);
+  const Figure figure(mesh, {{"version", 1},
+                             {"features", {{"top", top}, {"bottom", {{"vertices", bottom}}}}},
+                             {"constraints",
+                              {{{"type", "line"}, {"feature", "bottom"}, {"lengths", "scale"}},
+                               {{"type", "curve"}, {"feature", "top"}, {"scale", "free"}}}}});
+  CHECK(figure.ran.code == 0);
+  for (const json& c : figure.report.at("constraints"))
+    CHECK(std::abs(c.at("scale").get<double>() - 1) > 1e-3);
+  CHECK(arap(figure.report) > arap(figure.unconstrained));
+  CHECK(arap(figure.report) < 2e-3);
+}
+
+TEST_CASE(
+    "constraints: figures 7 and 9, a circle and a line on an organic mesh, planar faces of a mechanical "
+    "part") {
+  if (absent(PLANISH_SHARED_DATA)) return;
+  json head = shared_set("disk/cowhead.a");
+  const json profile = shared_set("disk/cowhead.b");
+  head["features"].update(profile.at("features"));
+  json line = profile.at("constraints")[0];
+  line["lengths"] = "scale";
+  head["constraints"].push_back(line);
+  const Figure organic(PLANISH_SHARED_DATA "/disk/cowhead.obj", head);
+  CHECK(organic.report.at("converged") == true);
+  CHECK(arap(organic.report) > arap(organic.unconstrained));
+  const Figure mechanical(PLANISH_SHARED_DATA "/cad/fandisk_open.obj", shared_set("cad/fandisk_open.b"));
+  CHECK(mechanical.report.at("converged") == true);
+  CHECK(arap(mechanical.report) > arap(mechanical.unconstrained));
+}
+
 // ---- the shared sets ----
 
 namespace {
