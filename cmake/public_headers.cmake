@@ -12,18 +12,22 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   engine/model/mesh.hpp
   engine/model/monitor.hpp
   engine/model/options.hpp
+  engine/model/price.hpp
   engine/model/flattening.hpp
   engine/prepare/validate.hpp
   engine/prepare/repair.hpp
   engine/sample/panels.hpp
   engine/cut.hpp
   engine/embed.hpp
+  engine/features/parted.hpp
   engine/flatten.hpp
+  engine/price.hpp
   io/carry_over.hpp
   io/constraints_json.hpp
   io/feature_picture.hpp
   io/file.hpp
   io/mesh_files.hpp
   io/picture.hpp
+  io/placed_feature.hpp
   io/report_json.hpp
   io/sample_features_json.hpp)
