@@ -272,7 +272,7 @@ class Run {
   }
 
   void measure() {
-    if (system_) result_.constraints.outcome = system_->outcomes(uv_, *start_.last().poses());
+    if (system_) result_.constraints.outcome = system_->outcomes(uv_);
     for (RestFrame& f : piece_.geometry.frame) {
       f = {mesh().unit * f.x1, mesh().unit * f.x2, mesh().unit * f.y2};
     }

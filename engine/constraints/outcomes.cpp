@@ -88,8 +88,7 @@ ConstraintOutcome ConstraintSystem::begin_outcome(Index constraint) const {
   return outcome;
 }
 
-ConstraintOutcome ConstraintSystem::outcome_of_body(const Body& body, Index number, In<Vec2> uv,
-                                                    const Poses& poses) const {
+ConstraintOutcome ConstraintSystem::outcome_of_body(const Body& body, Index number, In<Vec2> uv) const {
   const double unit = rest_.mesh->unit, size = unit * body.size;
   ConstraintOutcome outcome = begin_outcome(body.constraint);
   outcome.side = view_.features[body.feature].side;
@@ -109,16 +108,17 @@ ConstraintOutcome ConstraintSystem::outcome_of_body(const Body& body, Index numb
   if (body.is_straight()) outcome.keeps_order = runs_forwards(body, uv);
   std::vector<Vec2> shape = body.shape;
   for (Vec2& t : shape) t = unit * t;
-  if (body.kind != Body::Kind::FreeLine && points.image.size() > 1) {
-    std::vector<Vec2> from = points.shape;
+  if (body.kind == Body::Kind::FreeLine) {
+    outcome.orientation = kDegrees * argument(uv[body.vertex.back()] - uv[body.vertex.front()]);
+  } else {
+    // Where all vertices were yielded they tell where the template lies as well as they can.
+    const std::vector<std::uint8_t> none(yielded.size(), 0);
+    const Kept placed = points.image.size() > 1 ? points : kept(body, none, uv);
+    std::vector<Vec2> from = placed.shape;
     for (Vec2& t : from) t = unit * t;
-    const Placement placement = best_placement(from, points.image, scale);
+    const Placement placement = best_placement(from, placed.image, scale);
     outcome.scale = norm(placement.c);
     outcome.orientation = kDegrees * argument(placement.c);
-  } else {
-    outcome.scale =
-        body.kind == Body::Kind::FreeLine ? std::nullopt : std::optional(norm(poses.factor(number)));
-    outcome.orientation = kDegrees * argument(uv[body.vertex.back()] - uv[body.vertex.front()]);
   }
   if (body.kind != Body::Kind::FreeLine) outcome.shape = std::move(shape);
   outcome.mirrored = body.mirrored;
@@ -179,11 +179,11 @@ ConstraintOutcome ConstraintSystem::outcome_of_pins(Index constraint, In<Vec2> u
   return outcome;
 }
 
-std::vector<ConstraintOutcome> ConstraintSystem::outcomes(In<Vec2> uv, const Poses& poses) const {
+std::vector<ConstraintOutcome> ConstraintSystem::outcomes(In<Vec2> uv) const {
   std::vector<std::vector<ConstraintOutcome>> of(view_.set->constraints.size());
   for (Index b = 0; b < static_cast<Index>(compiled_.bodies.size()); ++b) {
     const Body& body = compiled_.bodies[b];
-    if (body.kind != Body::Kind::Chord) of[body.constraint].push_back(outcome_of_body(body, b, uv, poses));
+    if (body.kind != Body::Kind::Chord) of[body.constraint].push_back(outcome_of_body(body, b, uv));
   }
   for (std::size_t k = 0; k < compiled_.relations.size(); ++k)
     of[compiled_.relations[k].constraint].push_back(outcome_of_relation(k, uv));

@@ -16,8 +16,22 @@ Result<std::unique_ptr<ConstraintSystem>> ConstraintSystem::make(const RestSurfa
   auto compiled = compile(rest, view, map);
   if (!compiled) return fail(compiled.error());
   system->compiled_ = std::move(*compiled);
-  if (auto settled = system->settle(); !settled) return fail(settled.error());
+  auto settled = system->any_way_round([&] { return system->settle(); });
+  if (!settled) return fail(settled.error());
   return system;
+}
+
+Result<void> ConstraintSystem::any_way_round(const std::function<Result<void>()>& step) {
+  const Result<void> first = step();
+  for (Index b = 0; b < static_cast<Index>(compiled_.bodies.size()); ++b) {
+    if (first || first.error().code != ErrorCode::ConstraintsConflict) break;
+    if (!compiled_.bodies[b].chirality_open) continue;
+    for (const bool turned : {true, false}) {
+      const auto settled = mirror(b);
+      if (turned && settled && step()) return {};
+    }
+  }
+  return first;
 }
 
 Result<void> ConstraintSystem::settle() {
@@ -31,6 +45,10 @@ Result<void> ConstraintSystem::settle() {
 }
 
 Result<void> ConstraintSystem::orient(const Exec& exec, const StartInput& input, Init init) {
+  return any_way_round([&] { return orient_once(exec, input, init); });
+}
+
+Result<void> ConstraintSystem::orient_once(const Exec& exec, const StartInput& input, Init init) {
   auto oriented = planish::orient(exec, rest_, view_, compiled_, input, init);
   if (!oriented) return fail(oriented.error());
   orientation_ = std::move(*oriented);

@@ -1,6 +1,8 @@
 // All that a constraint set means for one surface: bodies, joints, orientations, DOF maps, and what came of them.
 #pragma once
 
+#include <functional>
+
 #include "engine/constraints/dof_map.hpp"
 #include "engine/constraints/orientation.hpp"
 #include "engine/model/flattening.hpp"
@@ -38,8 +40,8 @@ class ConstraintSystem {
   std::vector<std::uint8_t> triangles_at_features() const;
 
   /// Of each constraint, residuals measured on coordinates.
-  ///   uv [V] of the ordered mesh, mesh units, placed as they will be written;  poses: those of the solution
-  std::vector<ConstraintOutcome> outcomes(In<Vec2> uv, const Poses& poses) const;
+  ///   uv [V] of the ordered mesh, mesh units, placed as they will be written
+  std::vector<ConstraintOutcome> outcomes(In<Vec2> uv) const;
   /// Fails: ConstraintsConflict where a free scale fell below 1e-3.
   Result<void> check_scales(const Poses& poses) const;
 
@@ -53,9 +55,13 @@ class ConstraintSystem {
   ConstraintSystem(const RestSurface& rest, const ConstraintView& view, In<Index> vertex_component)
       : rest_(rest), view_(view), vertex_component_(vertex_component) {}
   Result<void> settle();
+  /// Tries a step; where constraints contradict one another, again with a template turned round whose way the surface
+  /// leaves open. The first contradiction where no single turn helps.
+  Result<void> any_way_round(const std::function<Result<void>()>& step);
+  Result<void> orient_once(const Exec& exec, const StartInput& input, Init init);
   void part_joints();
   bool half_turn_is_free(Index component) const;
-  ConstraintOutcome outcome_of_body(const Body& body, Index number, In<Vec2> uv, const Poses& poses) const;
+  ConstraintOutcome outcome_of_body(const Body& body, Index number, In<Vec2> uv) const;
   ConstraintOutcome outcome_of_relation(std::size_t number, In<Vec2> uv) const;
   ConstraintOutcome outcome_of_pins(Index constraint, In<Vec2> uv) const;
   ConstraintOutcome begin_outcome(Index constraint) const;

@@ -512,6 +512,14 @@ TEST_CASE("constraints: a triangle of lines whose angles are given") {
       {"type": "angle", "features": ["b", "c"], "degrees": 50}, {"type": "angle", "features": ["c", "a"], "degrees": 40})");
 }
 
+TEST_CASE("constraints: a profile curve that agrees with another one only mirrored is laid mirrored") {
+  // The row's own plane stands across the dome, so that the surface does not say which way round it lies.
+  const Solved solved = solve(dome(), R"({"type": "curve", "feature": "row", "name": "open"},
+                                         {"type": "curve", "feature": "row", "name": "given", "mirror": true})");
+  CHECK(solved.entry("open").at("mirrored") == true);
+  CHECK(solved.entry("open").at("chirality_open") == true);
+}
+
 TEST_CASE("constraints: the outer loop is the one that is named") {
   const std::string mesh = grid(
       7, 0,

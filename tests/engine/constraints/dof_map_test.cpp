@@ -191,7 +191,7 @@ TEST_CASE("dof map: every point of it has the shapes to rounding, shared vertice
       for (const Vec2 t : body.shape) placed.push_back(at.p + multiply(at.c, t));
       CHECK(largest_distance(placed, image) < 1e-12);
     }
-    const auto outcomes = m.system->outcomes(x, *dof->poses());
+    const auto outcomes = m.system->outcomes(x);
     CHECK(outcomes.back().residual < 1e-7);  // the right angle, degrees
   }
 }
