@@ -15,7 +15,7 @@ namespace planish {
 /// Fails: BadUsage (an option out of range); IndexOutOfRange, TooLarge and the defects of diagnose();
 /// OutOfMemory;
 ///        Cancelled.
-/// Cost: at 909k triangles some 8 s on 2 cores; see perf/README.md.
+/// Cost: at 909k triangles 8 to 10 s on 2 cores; see perf/README.md.
 /// Ref: Liu et al. 2008 (energy, local/global); Vaitkus and Varady (rotations first).
 Result<Flattening> flatten(const Surface& surface, const FlattenOptions& options = {},
                            const Monitor& monitor = {});
