@@ -208,16 +208,13 @@ bool PoseGroup::move_to(In<double> y) {
     solver.setThreshold(kRank);
     solver.compute(now.derivative * dense_->across);
     const double residual = now.residual.cwiseAbs().maxCoeff();
-    if (residual <= kMet || (step + 1 == kMoveSteps && residual <= kSmallEnough)) {
-      dense_->tangent = dense_->along - dense_->across * solver.solve(now.derivative * dense_->along);
-      return true;
-    }
     const Eigen::VectorXd change = solver.solve(-now.residual);
-    if (!change.allFinite() || change.cwiseAbs().maxCoeff() > 1) return false;
-    if (change.cwiseAbs().maxCoeff() <= 1e-16 && residual <= kSmallEnough) {
+    const bool settled = residual <= kMet || step + 1 == kMoveSteps || change.cwiseAbs().maxCoeff() <= 1e-16;
+    if (settled && residual <= kSmallEnough) {
       dense_->tangent = dense_->along - dense_->across * solver.solve(now.derivative * dense_->along);
       return true;
     }
+    if (!change.allFinite() || change.cwiseAbs().maxCoeff() > 1) return false;
     at += dense_->across * change;
     apply();
   }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/prepare/prepare.hpp"
-#include "kernels/intrinsic/lengths.hpp"
+#include "kernels/intrinsic/cotangents.hpp"
 
 namespace planish {
 
@@ -18,8 +18,7 @@ struct Geometry {
 
   /// Cotangent weight of the edge of half-edge c.
   double edge_weight(const Topology& topology, Index c) const {
-    const Index twin = topology.corner_twin[c];
-    return 0.5 * (cotangent[previous_corner(c)] + (twin == kNone ? 0 : cotangent[previous_corner(twin)]));
+    return edge_cotangent(cotangent, c, topology.corner_twin[c]);
   }
 };
 Geometry measure_geometry(const Exec& exec, const PreparedMesh& prepared);

@@ -127,4 +127,12 @@ void BorderedPhase::solve(const Exec& exec, In<Vec2> rhs, In<double> rhs_border,
   p.inner->backward(exec, half, x);
 }
 
+void BorderedPhase::solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const {
+  const std::size_t m = parts_->half.size(), n = rhs.size() - m;
+  std::vector<double> border(m);
+  for (std::size_t k = 0; k < m; ++k) border[k] = rhs[n + k].x;
+  solve(exec, rhs.first(n), border, x.first(n), border);
+  for (std::size_t k = 0; k < m; ++k) x[n + k] = {border[k], 0};
+}
+
 }  // namespace planish

@@ -26,6 +26,8 @@ class BorderedPhase {
   Index size() const;  ///< m
   /// rhs and x [n] may be the same array, so may rhs_border and y [m].
   void solve(const Exec& exec, In<Vec2> rhs, In<double> rhs_border, Out<Vec2> x, Out<double> y) const;
+  /// The same with the real unknowns behind the complex ones, in x of further entries: rhs, x [n + m].
+  void solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const;
 
  private:
   struct Parts;

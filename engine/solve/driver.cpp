@@ -46,11 +46,11 @@ class Iteration {
         local_(exec, problem.energy),
         quasi_newton_(exec, kQuasiNewtonMemory) {}
 
-  /// The first global step, for the first rotations.
+  /// The first global step, for the first rotations; then all directions are free to turn.
   Result<void> start() {
     x_ = problem_.first->origin();
     if (auto used = use(*problem_.first); !used) return used;
-    dof_->expand(x_);
+    if (!dof_->expand(x_)) return fail(ErrorCode::InternalDefect, "poses leave their joints");
     // A rounded factor needs a second and a third solve to reach the minimiser.
     for (int solve_number = 0; solve_number < (problem_.global->is_rounded() ? 3 : 1); ++solve_number) {
       local_.evaluate_rotations(vertices(x_), problem_.rotation, vertices(force_));
@@ -61,13 +61,15 @@ class Iteration {
       if (!dof_->expand(x_))
         return fail(ErrorCode::InternalDefect, "the first global step leaves the joints");
     }
-    if (dof_->num_vertices() >= kLeastRounded && !problem_.global->is_rounded()) {
-      problem_.global->round_to_single(exec_);
-      if (auto refreshed = refresh(); !refreshed) return refreshed;
-    }
-    evaluate();
-    solve();
-    return {};
+    return set_free().and_then([&] { return resume(); });
+  }
+
+  /// From the exact step to the iteration: another DOF map, a metric that is cheaper to solve with.
+  Result<void> set_free() {
+    const bool round = dof_->num_vertices() >= kLeastRounded && !problem_.global->is_rounded();
+    if (round) problem_.global->round_to_single(exec_);
+    if (problem_.dof != problem_.first) return use(*problem_.dof);
+    return round ? refresh() : Result<void>();
   }
 
   /// Goes on in another DOF map, from the same positions.
@@ -168,12 +170,7 @@ class Iteration {
   void evaluate() { energy_ = evaluate_at(x_, force_); }
 
   void solve() {
-    const Index nodes = dof_->num_nodes(), border = dof_->num_border();
-    std::vector<double> in_border(border), out_border(border);
-    for (Index k = 0; k < border; ++k) in_border[k] = force_[nodes + k].x;
-    bordered_->solve(exec_, In<Vec2>(force_).first(nodes), in_border, Out<Vec2>(descent_).first(nodes),
-                     out_border);
-    for (Index k = 0; k < border; ++k) descent_[nodes + k] = {out_border[k], 0};
+    bordered_->solve(exec_, force_, descent_);
     exec_.for_blocks(static_cast<Index>(descent_.size()), kBlock, [&](Index, Range r) {
       for (Index v = r.begin; v < r.end; ++v) descent_[v] = -descent_[v];
     });
@@ -221,11 +218,6 @@ class Loop {
 
   Result<Minimum> operator()() {
     if (auto started = iteration_.start(); !started) return fail(started.error());
-    if (problem_.dof != problem_.first) {
-      // The same point, with directions free to turn.
-      auto used = iteration_.use(*problem_.dof).and_then([&] { return iteration_.resume(); });
-      if (!used) return fail(used.error());
-    }
     bool newton_may_help = !problem_.constrained && problem_.energy.num_vertices() <= kMostNewtonVertices;
     while (true) {
       if (auto recorded = record(); !recorded) return fail(recorded.error());

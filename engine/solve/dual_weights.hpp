@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/solve/start.hpp"
+#include "kernels/intrinsic/cotangents.hpp"
 
 namespace planish {
 
@@ -28,11 +29,7 @@ class FlooredWeights {
   double operator()(Index c) const { return std::max(plain(c), least_); }
 
  private:
-  double plain(Index c) const {
-    const Index twin = input_.topology->corner_twin[c];
-    return 0.5 * (input_.cotangent[previous_corner(c)] +
-                  (twin == kNone ? 0 : input_.cotangent[previous_corner(twin)]));
-  }
+  double plain(Index c) const { return edge_cotangent(input_.cotangent, c, input_.topology->corner_twin[c]); }
   const StartInput& input_;
   double least_ = 0;
 };

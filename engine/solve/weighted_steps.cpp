@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kernels/exact/orient2.hpp"
+#include "kernels/intrinsic/cotangents.hpp"
 #include "kernels/local/proxy.hpp"
 
 namespace planish {
@@ -32,12 +33,7 @@ class WeightedSteps {
     if (!bordered) return fail(bordered.error());
     if (!dof_.expand(x_)) return fail(ErrorCode::InternalDefect, "poses leave their joints");
     evaluate_rotations();
-    const Index nodes = dof_.num_nodes(), num_border = dof_.num_border();
-    std::vector<double> in_border(num_border), out_border(num_border);
-    for (Index k = 0; k < num_border; ++k) in_border[k] = force_[nodes + k].x;
-    bordered->solve(exec_, In<Vec2>(force_).first(nodes), in_border, Out<Vec2>(change_).first(nodes),
-                    out_border);
-    for (Index k = 0; k < num_border; ++k) change_[nodes + k] = {out_border[k], 0};
+    bordered->solve(exec_, force_, change_);
     for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = x_[i] - change_[i];
     if (!dof_.expand(x_)) return fail(ErrorCode::InternalDefect, "poses leave their joints");
     return {};
@@ -85,10 +81,7 @@ class WeightedSteps {
   }
 
   EdgeWeight weight() const {
-    return [this](Index c) {
-      const Index twin = problem_.topology->corner_twin[c];
-      return 0.5 * (cotangent_[previous_corner(c)] + (twin == kNone ? 0 : cotangent_[previous_corner(twin)]));
-    };
+    return [this](Index c) { return edge_cotangent(cotangent_, c, problem_.topology->corner_twin[c]); };
   }
 
   SymmetricMatrix laplacian() const {

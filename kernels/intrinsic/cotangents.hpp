@@ -17,6 +17,11 @@ struct Cotangents {
 };
 Cotangents cotangents(const RestFrame& frame);
 
+/// Weight of the edge of half-edge c: half the sum of the cotangents opposite.   twin: of c, kNone on a boundary
+inline double edge_cotangent(In<double> cotangent, Index c, Index twin) {
+  return 0.5 * (cotangent[previous_corner(c)] + (twin == kNone ? 0 : cotangent[previous_corner(twin)]));
+}
+
 ///   frame [T] length;  cotangent [3 T] out, at each corner;  mollified [T] out: 1 where the altitude was
 ///   floored.
 void cotangents(Range triangles, In<RestFrame> frame, Out<double> cotangent, Out<std::uint8_t> mollified);
