@@ -84,6 +84,7 @@ struct Relation {
          along_b = 0;  ///< directions in the bodies' templates that the angle is measured between
   double degrees = 0;
   bool oriented = false;
+  int side = 0;  ///< of a seam that it holds on: 1 left, 2 right
 };
 
 /// A vertex at a given place.

@@ -161,7 +161,8 @@ class Compiler {
       for (const Measured& b : end[1]) {
         if (a.side != 0 && b.side != 0 && a.side != b.side) continue;
         if (a.body == b.body) return invalid("what it relates is one and the same");
-        result_.relations.push_back({at_, a.body, b.body, a.along, b.along, rule.degrees, rule.oriented});
+        result_.relations.push_back(
+            {at_, a.body, b.body, a.along, b.along, rule.degrees, rule.oriented, std::max(a.side, b.side)});
       }
     }
     return {};
@@ -171,7 +172,7 @@ class Compiler {
     auto found = rule.edge ? measured_edge(*rule.edge) : measured(rule.feature, rule.measure);
     if (!found) return fail(found.error());
     for (const Measured& m : *found)
-      result_.relations.push_back({at_, kNone, m.body, 0, m.along, rule.degrees, rule.oriented});
+      result_.relations.push_back({at_, kNone, m.body, 0, m.along, rule.degrees, rule.oriented, m.side});
     return {};
   }
 

@@ -154,10 +154,7 @@ ConstraintOutcome ConstraintSystem::outcome_of_relation(std::size_t number, In<V
   const Vec2 a = relation.a == kNone ? Vec2{1, 0} : measured_vector(relation.a, uv);
   const Vec2 b = measured_vector(relation.b, uv);
   const double angle = argument(multiply(b, conjugate(a)));
-  for (const Index body : {relation.a, relation.b}) {
-    if (body == kNone || compiled_.bodies[body].feature == kNone) continue;
-    outcome.side = std::max(outcome.side, view_.features[compiled_.bodies[body].feature].side);
-  }
+  outcome.side = relation.side;
   outcome.degrees = kDegrees * angle;
   outcome.residual = outcome.residual_abs =
       kDegrees * std::abs(reduce_angle(angle - orientation_.chosen[number]));

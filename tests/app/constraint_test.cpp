@@ -762,6 +762,83 @@ TEST_CASE("constraints: four sides of free lengths make a rectangle in order") {
   for (const std::string& side : kSides) CHECK(solved.entry("line " + side).at("keeps_order") == true);
 }
 
+TEST_CASE("constraints: sides that close but for the precision of the file yield a corner, pinned or not") {
+  const std::string mesh = grid(6, 0, [](double x, double y) {
+    return Point{x * (1 + 1e-8 * y), y, height(x, y, 6)};
+  });
+  const std::string rectangle = lines(kSideList) + ", " + right_angles(kSides);
+  const auto mismatch = [&](const std::string& pins) {
+    const Solved solved = solve(mesh, rectangle + pins);
+    double most = 0;
+    for (const std::string& side : kSides)
+      most = std::max(most, solved.entry("line " + side).at("mismatch").get<double>());
+    return most;
+  };
+  // The upper side is 6 * 6e-8 longer than the lower one.
+  CHECK(mismatch("") == doctest::Approx(3.6e-7).epsilon(0.01));
+  CHECK(mismatch(R"(, {"type": "pin", "vertices": [8, 40], "uv": [[0, 0], [5, 4]]})") > 1e-7);
+  for (const char* corner : {"0", "6", "42", "48"}) {
+    CAPTURE(corner);
+    CHECK(mismatch(std::string(R"(, {"type": "pin", "vertices": [)") + corner + R"(], "uv": [[1, 2]]})") >
+          1e-7);
+  }
+}
+
+TEST_CASE("constraints: pins choose which way along the u axis an undirected direction runs") {
+  const auto energy = [&](const char* uv) {
+    return solve(dome(), lines({"low"}) + R"(, {"type": "direction", "feature": "low", "degrees": 0},
+                 {"type": "pin", "vertices": [28, 34], "uv": )" +
+                             uv + "}")
+        .report.at("energy")
+        .at("arap")
+        .get<double>();
+  };
+  CHECK(energy("[[3, 0], [-3, 0]]") == doctest::Approx(energy("[[-3, 0], [3, 0]]")).epsilon(1e-6));
+}
+
+TEST_CASE("constraints: a region is known by its rim, though a hole in it is longer") {
+  constexpr int n = 12;
+  // A hole that winds to and fro, one square wide.
+  const auto in_hole = [](int i, int j) {
+    if (i < 1 || i > 10 || j < 1 || j > 9) return false;
+    return j % 2 == 1 || (j % 4 == 2 ? i == 10 : i == 1);
+  };
+  std::string triangles;
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const int t = 2 * (j * n + i);
+      if (!in_hole(i, j))
+        triangles += (triangles.empty() ? "" : ", ") + std::to_string(t) + ", " + std::to_string(t + 1);
+    }
+  }
+  const Scratch scratch;
+  write(scratch.file("in.obj"), grid(n, 0, [](double x, double y) { return Point{x, y, 0}; }));
+  write(scratch.file("c.json"), file_of(R"("plate": {"triangles": [)" + triangles + "]}",
+                                        R"({"type": "region", "feature": "plate"})", ""));
+  const Ran ran = run("flatten " + scratch.file("in.obj") + " -c " + scratch.file("c.json"));
+  CHECK_MESSAGE(ran.code == 0, ran.err);
+}
+
+TEST_CASE("constraints: a relation between edges on a seam holds on each side for itself") {
+  const Solved solved = solve(pipe(), R"({"type": "parallel", "edges": [[24, 48], [96, 120]], "name": "p"})",
+                              R"(, "seams": ["seam"])");
+  CHECK(solved.entry("p", 1).at("residual").get<double>() < 1e-7);
+  CHECK(solved.entry("p", 2).at("residual").get<double>() < 1e-7);
+  CHECK(solved.report.at("constraints").size() == 2);
+}
+
+TEST_CASE("constraints: directions that may turn lower the energy") {
+  // Two lines of kept length that cross: the surface does not cross them at the angle of the best map.
+  const std::string crossing = lines({"row", "up"});
+  const Scratch scratch;
+  const Solved solved = solve(scratch, wedge(), crossing);
+  const Ran priced = run("flatten " + scratch.file("in.obj") + " -c " + scratch.file("c.json") +
+                         " --price --report " + scratch.file("p.json"));
+  REQUIRE(priced.code == 0);
+  const json price = json::parse(content_of(scratch.file("p.json"))).at("price");
+  CHECK(price.at("energy").get<double>() < price.at("without_refit").get<double>() * (1 - 1e-6));
+}
+
 TEST_CASE("constraints: real panels become rectangles of free, kept or pinned aspect ratio") {
   if (absent(PLANISH_SHARED_DATA)) return;
   check_rectangles(PLANISH_SHARED_DATA "/cad/plate_skin.ply", 14, 13);
