@@ -827,6 +827,21 @@ TEST_CASE("constraints: a relation between edges on a seam holds on each side fo
   CHECK(solved.report.at("constraints").size() == 2);
 }
 
+TEST_CASE("constraints: a line of free lengths that loses its order is written, and said with 6") {
+  const Scratch scratch;
+  write(scratch.file("in.obj"), dome());
+  write(scratch.file("c.json"),
+        file_of(R"("mid": {"vertices": [21, 22, 23, 24, 25, 26, 27]})",
+                lines({"mid"}, R"(, "lengths": "free")") +
+                    R"(, {"type": "pin", "vertices": [21, 24, 27], "uv": [[0, 0], [6, 0], [3, 0]]})",
+                ""));
+  const Ran ran = run("flatten " + scratch.file("in.obj") + " -c " + scratch.file("c.json") + " --report " +
+                      scratch.file("r.json"));
+  CHECK(ran.code == 6);
+  CHECK_MESSAGE(has(ran.err, R"(the vertices of "line mid" lost their order along the line)"), ran.err);
+  CHECK(json::parse(content_of(scratch.file("r.json"))).at("constraints")[0].at("keeps_order") == false);
+}
+
 TEST_CASE("constraints: directions that may turn lower the energy") {
   // Two lines of kept length that cross: the surface does not cross them at the angle of the best map.
   const std::string crossing = lines({"row", "up"});
