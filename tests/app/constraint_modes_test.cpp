@@ -5,14 +5,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "tests/app/program.hpp"
+#include "tests/app/constraint_support.hpp"
 
 using namespace planish::tests;
-using nlohmann::json;
 
 namespace {
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// A sampled panel and the constraints that fit it.
 struct Panel {
