@@ -67,20 +67,6 @@ void measure_stretch(const Exec& exec, In<RestFrame> frame, In<SingularValues> s
   });
 }
 
-/// Indices i of [0, n) with holds(i), ascending.
-template <class Holds>
-std::vector<Index> select(const Exec& exec, Index n, Holds&& holds) {
-  std::vector<std::vector<Index>> part(Exec::num_blocks(n, kBlock));
-  exec.for_blocks(n, kBlock, [&](Index block, Range r) {
-    for (Index i = r.begin; i < r.end; ++i) {
-      if (holds(i)) part[block].push_back(i);
-    }
-  });
-  std::vector<Index> selected;
-  for (const auto& p : part) selected.insert(selected.end(), p.begin(), p.end());
-  return selected;
-}
-
 /// Signed angle of corner c in the map.
 double image_angle(Index c, In<Index> corner_vertex, In<Vec2> uv) {
   const Vec2 apex = uv[corner_vertex[c]];
