@@ -77,6 +77,17 @@ void add_flatten(CLI::App& app, FlattenArgs& args) {
   app.add_option("--init", args.options.init,
                  "first rotations: uniform, cotangent, harmonic or identity [uniform]")
       ->transform(CLI::CheckedTransformer(inits).description(""));
+  const std::map<std::string, Energy> energies = {{"arap", Energy::Arap},
+                                                  {"symmetric-dirichlet", Energy::SymmetricDirichlet}};
+  app.add_option("--energy", args.options.energy, "arap or symmetric-dirichlet [arap]")
+      ->transform(CLI::CheckedTransformer(energies).description(""));
+  const std::map<std::string, Flips> flips = {{"untangle", Flips::Untangle},
+                                              {"weights", Flips::Weights},
+                                              {"stiffening", Flips::Stiffening},
+                                              {"keep", Flips::Keep}};
+  app.add_option("--flips", args.options.flips,
+                 "flipped triangles: untangle, weights, stiffening or keep [untangle]")
+      ->transform(CLI::CheckedTransformer(flips).description(""));
   app.add_option("--tolerance", args.options.tolerance, "of the gradient, above 0")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

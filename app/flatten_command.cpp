@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <optional>
@@ -6,6 +7,7 @@
 #include "app/commands.hpp"
 #include "app/featured.hpp"
 #include "app/provenance.hpp"
+#include "engine/blame.hpp"
 #include "engine/cut.hpp"
 #include "engine/features/parted.hpp"
 #include "engine/flatten.hpp"
@@ -66,9 +68,11 @@ class FlattenCommand {
   }
 
   Result<int> solve_and_write() {
-    return solve().and_then([&] { return find_price(); }).and_then([&] { return write(); }).map([&] {
-      return conclude();
-    });
+    return solve()
+        .and_then([&] { return find_price(); })
+        .and_then([&] { return write(); })
+        .and_then([&] { return blame(); })
+        .map([&] { return conclude(); });
   }
 
   /// Contradictions, unknowns and memory; nothing is solved or written.
@@ -99,6 +103,22 @@ class FlattenCommand {
     return {};
   }
 
+  bool has_flips() const {
+    const Certificate& c = flattening_.certificate;
+    return c.flipped_triangles > 0 || c.overwound_vertices > 0;
+  }
+
+  /// What has been written stays whatever this finds.
+  Result<void> blame() {
+    constexpr double kSeconds = 60;
+    const bool asked = args_.options.flips == Flips::Untangle && !args_.options.paper;
+    if (!has_flips() || !asked || args_.constraints.empty()) return {};
+    auto found = find_blame(flat_surface(), constraints(), solved_, args_.options, kSeconds, monitor_);
+    if (!found) return fail(placed(found.error()));
+    blame_ = std::move(*found);
+    return {};
+  }
+
   /// With the file at fault.
   Error placed(const Error& error) const {
     return in_file(error, error.place.pointer.empty() ? args_.mesh : args_.constraints);
@@ -108,6 +128,7 @@ class FlattenCommand {
     auto result = flatten(flat_surface(), constraints(), args_.options, monitor_);
     if (!result) return fail(placed(result.error()));
     flattening_ = std::move(*result);
+    solved_.certificate = flattening_.certificate;
     if (cut_) number_before_cut();
     warn_of_unwelded();
     return {};
@@ -255,13 +276,34 @@ class FlattenCommand {
       say_constraints();
     }
     const bool disordered = say_disorder(), unmet = say_unmet();
-    const bool flips = c.flipped_triangles > 0 || c.overwound_vertices > 0;
     if (!flattening_.converged) say_not_converged();
-    if (flips) {
-      fmt::print(stderr, "planish: {}: {} triangles are flipped and {} vertices overwound in the map\n",
-                 args_.mesh, c.flipped_triangles, c.overwound_vertices);
+    if (has_flips()) say_flips();
+    return has_flips() || disordered || unmet || !flattening_.converged ? 6 : 0;
+  }
+
+  void say_flips() const {
+    const Certificate& c = flattening_.certificate;
+    const auto first_few = [](const std::vector<Index>& ids) {
+      constexpr std::size_t kFew = 5;
+      const std::size_t shown = std::min(kFew, ids.size());
+      return ids.empty() ? std::string()
+                         : fmt::format(" ({}{})", fmt::join(ids.begin(), ids.begin() + shown, ", "),
+                                       ids.size() > shown ? ", ..." : "");
+    };
+    fmt::print(stderr, "planish: {}: {} triangles are flipped{} and {} vertices overwound{} in the map\n",
+               args_.mesh, c.flipped_triangles, first_few(c.flipped), c.overwound_vertices,
+               first_few(c.overwound));
+    if (!blame_) return;
+    if (!blame_->features.empty())
+      fmt::print(stderr, "planish: {}: they touch the features \"{}\"\n", args_.constraints,
+                 fmt::join(blame_->features, "\", \""));
+    if (blame_->constraints.empty()) {
+      fmt::print(stderr, "planish: {}: no single one of {} constraints makes the difference\n",
+                 args_.constraints, blame_->tried);
+    } else {
+      fmt::print(stderr, "planish: {}: there are none without \"{}\"; loosen it, or move its feature\n",
+                 args_.constraints, fmt::join(blame_->constraints, "\", or without \""));
     }
-    return flips || disordered || unmet || !flattening_.converged ? 6 : 0;
   }
 
   /// A residual against what DESIGN 3.8 allows: met up to 1.
@@ -321,7 +363,10 @@ class FlattenCommand {
   }
 
   void say_not_converged() const {
-    if (args_.options.paper) return;  // it ends where no triangle is flipped, and flips are said
+    const Flips flips = args_.options.flips;
+    const bool by_weights = flips == Flips::Weights || flips == Flips::Stiffening;
+    if (args_.options.paper || by_weights)
+      return;  // these end where no triangle is flipped, and flips are said
     fmt::print(
         stderr,
         "planish: {}: the tolerance {:g} was not met, the gradient is {:.3g} after {} iterations; {}\n",
@@ -342,6 +387,8 @@ class FlattenCommand {
   std::vector<Feature> parted_;  // on the opened surface
   std::vector<std::string> warnings_;
   Flattening flattening_;
+  Flattening solved_;  // the certificate alone, in the numbers of what was flattened
+  std::optional<Blame> blame_;
   std::optional<Price> price_;
 };
 

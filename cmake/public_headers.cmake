@@ -17,6 +17,7 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   engine/prepare/validate.hpp
   engine/prepare/repair.hpp
   engine/sample/panels.hpp
+  engine/blame.hpp
   engine/cut.hpp
   engine/embed.hpp
   engine/features/parted.hpp

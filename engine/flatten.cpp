@@ -9,8 +9,10 @@
 #include "engine/constraints/constrained_start.hpp"
 #include "engine/constraints/system.hpp"
 #include "engine/prepare/connection.hpp"
+#include "engine/solve/flip_free.hpp"
 #include "engine/solve/gauge.hpp"
 #include "engine/solve/start.hpp"
+#include "engine/solve/tutte.hpp"
 #include "engine/solve/weighted_steps.hpp"
 #include "engine/verify/certificate.hpp"
 #include "engine/verify/overlaps.hpp"
@@ -220,26 +222,59 @@ class Run {
   }
 
   Result<Minimum> minimum_of(const ArapProblem& arap) {
-    if (!options_.paper) return minimise_arap(exec_, arap, options_, monitor_);
+    if (!weighs_flips()) {
+      return minimise_arap(exec_, arap, options_, monitor_,
+                           removes_flips() ? Watch::Injectivity : Watch::None);
+    }
     const std::vector<std::uint8_t> settled =
-        system_ ? system_->triangles_at_features() : std::vector<std::uint8_t>();
+        system_ && options_.paper ? system_->triangles_at_features() : std::vector<std::uint8_t>();
     return weighted_global_steps(exec_, arap, settled, options_, monitor_);
+  }
+  bool weighs_flips() const {
+    return options_.paper || options_.flips == Flips::Weights || options_.flips == Flips::Stiffening;
+  }
+  bool removes_flips() const { return !weighs_flips() && options_.flips == Flips::Untangle; }
+
+  /// Components that nothing says how to turn.
+  std::vector<std::uint8_t> components_that_turn() const {
+    std::vector<std::uint8_t> turns(topology().num_components, 1);
+    if (!system_) return turns;
+    std::vector<Index> pins(topology().num_components, 0);
+    for (const Pin& pin : system_->pins()) ++pins[piece_.component[pin.vertex]];
+    for (Index k = 0; k < topology().num_components; ++k) turns[k] = !system_->directed()[k] && pins[k] < 2;
+    if (options_.keep_directions) {
+      for (const Body& body : system_->compiled().bodies) turns[piece_.component[body.vertex.front()]] = 0;
+    }
+    return turns;
   }
 
   Result<void> minimise() {
-    return timed(Phase::LocalGlobal, [&]() -> Result<void> {
-      auto minimum =
-          minimum_of(piece_.problem(*global_, nodes_, *start_.first, start_.last(), start_.rotation));
-      if (!minimum) return fail(minimum.error());
-      global_.reset();
-      uv_ = std::move(minimum->uv);
-      result_.history = std::move(minimum->history);
-      result_.iterations = result_.history.back().iteration;
-      result_.converged = minimum->converged;
-      result_.gradient = minimum->gradient;
-      if (system_) return system_->check_scales(*start_.last().poses());
+    ArapProblem arap = piece_.problem(*global_, nodes_, *start_.first, start_.last(), start_.rotation);
+    arap.turns_freely = components_that_turn();
+    if (!system_) arap.last_resort = [this] { return tutte_map(exec_, piece_.start_input()); };
+    Minimum minimum;
+    const auto found = [&]() -> Result<void> {
+      auto result = minimum_of(arap);
+      if (!result) return fail(result.error());
+      minimum = std::move(*result);
       return {};
-    });
+    };
+    auto done = timed(Phase::LocalGlobal, found);
+    if (done && removes_flips()) {
+      done = timed(Phase::Untangle, [&] { return remove_flips(exec_, arap, options_, monitor_, minimum); });
+      global_.reset();
+      if (done) done = timed(Phase::Polish, [&] { return polish(exec_, arap, options_, monitor_, minimum); });
+    }
+    if (!done) return done;
+    global_.reset();
+    uv_ = std::move(minimum.uv);
+    result_.history = std::move(minimum.history);
+    result_.iterations = result_.history.back().iteration;
+    result_.converged = minimum.converged;
+    result_.gradient = minimum.gradient;
+    result_.removal = minimum.removal;
+    result_.removal.method = options_.paper ? Flips::Weights : options_.flips;
+    return system_ ? system_->check_scales(*start_.last().poses()) : Result<void>();
   }
 
   /// Gauge, layout, units; then everything is measured on the final coordinates.

@@ -56,10 +56,27 @@ void add_iteration(Json& report, const Flattening& f) {
   report["holonomy_residual"] = number(f.holonomy_residual);
   Json history = Json::array();
   for (const Iterate& i : f.history) {
-    history.push_back(
-        {{"iteration", i.iteration}, {"energy", number(i.energy)}, {"gradient", number(i.gradient)}});
+    history.push_back({{"iteration", i.iteration},
+                       {"energy", number(i.energy)},
+                       {"gradient", number(i.gradient)},
+                       {"phase", name(i.phase)}});
   }
   report["history"] = std::move(history);
+}
+
+void add_flips(Json& report, const FlipRemoval& r) {
+  Json& flips = report["flips"];
+  flips = {{"method", name(r.method)}};
+  if (r.method != Flips::Untangle) return;
+  flips["flipped_before"] = r.flipped_before;
+  flips["overwound_before"] = r.overwound_before;
+  flips["arap_before"] = number(r.arap_before);
+  flips["patch_steps"] = r.patch_steps;
+  flips["untangling_steps"] = r.untangling_steps;
+  flips["newton_steps"] = r.newton_steps;
+  if (r.newton_steps == 0) return;
+  flips["energy"] = number(r.energy);
+  if (r.barrier_weight > 0) flips["barrier"] = {{"mu", r.barrier_weight}, {"delta", r.barrier_delta}};
 }
 
 /// Seconds of each step; a step that ran more than once has its sum.
@@ -201,6 +218,7 @@ std::string report_json(const Flattening& flattening, const ReportContext& conte
   if (parts.price != nullptr) add_price(report, *parts.price);
   add_certificate(report, flattening.certificate);
   add_iteration(report, flattening);
+  add_flips(report, flattening.removal);
   report["timings_s"] = timings(flattening.timings, context.extra_timings);
   report["peak_memory_bytes"] = context.peak_memory_bytes;
   report["threads"] = flattening.threads;

@@ -5,11 +5,7 @@
 namespace planish {
 namespace {
 
-/// Entry of a column of the border's field, or of the Laplacian's image of it.
-struct FieldEntry {
-  Index column, vertex;
-  Vec2 value;
-};
+using FieldEntry = DofMap::Motion;  // of the border's field, or of the Laplacian's image of it
 
 bool by_column(const FieldEntry& a, const FieldEntry& b) {
   return a.column != b.column ? a.column < b.column : a.vertex < b.vertex;
@@ -96,6 +92,23 @@ bool DofMap::expand(Out<Vec2> x) {
   return true;
 }
 
+void DofMap::collect(Out<Vec2> x) {
+  rebase(x);
+  if (!poses_) return;
+  for (const Owner& owner : *owners_) {
+    const Index node = nodes_->assembly_node[assemblies_->of[owner.body]];
+    if (node != kNone) x[node] = x[owner.vertex] - poses_->point(owner.body, owner.place);
+  }
+}
+
+void DofMap::linearise(Out<Vec2> x) const {
+  for (Index v = 0; v < num_vertices(); ++v) {
+    if (nodes_->fixed[v]) x[v] = {};
+  }
+  visit_carried([&](Index v, Index node) { x[v] = node == kNone ? Vec2{} : x[node]; });
+  for (const Motion& m : motions()) x[m.vertex] += x[num_nodes() + m.column].x * m.value;
+}
+
 void DofMap::fold(Out<Vec2> force) const {
   if (!poses_) return;
   std::fill(force.begin() + num_vertices(), force.end(), Vec2{});
@@ -118,21 +131,50 @@ void DofMap::rebase(Out<Vec2> x) {
   for (Index k = 0; k < num_border(); ++k) x[num_nodes() + k] = {};
 }
 
+std::vector<DofMap::LineEdge> DofMap::line_edges() const {
+  std::vector<LineEdge> edges;
+  if (!poses_) return edges;
+  poses_->visit_line_edges([&](double length, double rest, Index from, Index to) {
+    LineEdge edge{.length = length, .rest = rest, .rate = {}};
+    const auto add = [&](Index slot, double sign) {
+      if (slot == kNone) return;
+      poses_->visit_free(slot, [&](Index k, double value) { edge.rate.emplace_back(k, sign * value); });
+    };
+    add(from, -1);
+    add(to, 1);
+    edges.push_back(std::move(edge));
+  });
+  return edges;
+}
+
+Index DofMap::reversed_edges() const {
+  Index reversed = 0;
+  if (poses_)
+    poses_->visit_line_edges([&](double length, double, Index, Index) { reversed += !(length > 0); });
+  return reversed;
+}
+
+std::vector<DofMap::Motion> DofMap::motions() const {
+  std::vector<Motion> field;
+  if (!poses_) return field;
+  for (const Owner& owner : *owners_) {
+    poses_->visit_slots(owner.body, owner.place, [&](Index slot, Vec2 dz) {
+      poses_->visit_free(slot, [&](Index k, double value) {
+        field.push_back({k, owner.vertex, value * dz});
+      });
+    });
+  }
+  merge(field);
+  return field;
+}
+
 DofMap::Border DofMap::border(In<Index> corner_vertex, const Topology& topology,
                               const EdgeWeight& weight) const {
   const Index m = num_border();
   Border result{.column = std::vector<SparseColumn>(m),
                 .corner = std::vector<double>(static_cast<std::size_t>(m) * m, 0)};
   if (m == 0) return result;
-  std::vector<FieldEntry> field;
-  for (const Owner& owner : *owners_) {
-    poses_->visit_slots(owner.body, owner.place, [&](Index slot, Vec2 dz) {
-      poses_->visit_free(slot, [&](Index k, double value) {
-        if (value != 0) field.push_back({k, owner.vertex, value * dz});
-      });
-    });
-  }
-  merge(field);
+  const std::vector<FieldEntry> field = motions();
   std::vector<FieldEntry> image;  // L times the field
   for (const FieldEntry& e : field) {
     const auto edge = [&](Index neighbour, double w) {

@@ -45,6 +45,10 @@ class DofMap {
   std::vector<Vec2> origin() const;
   /// Fills in the positions that the unknowns determine; false where joints cannot be met there.
   bool expand(Out<Vec2> x);
+  /// From positions [V] with features as the poses have them, and room for the rest, to the unknowns; the base is set there.
+  void collect(Out<Vec2> x);
+  /// Fills in how feature vertices move when the unknowns change by x, to first order at the base; 0 at fixed ones.
+  void linearise(Out<Vec2> x) const;
   /// From half the gradient at the vertices (zero at fixed ones) to that in the unknowns, at the x expanded last. Entries of
   /// feature vertices become 0.
   void fold(Out<Vec2> force) const;
@@ -62,6 +66,29 @@ class DofMap {
     std::vector<double> corner;        ///< [m * m]
   };
   Border border(In<Index> corner_vertex, const Topology& topology, const EdgeWeight& weight) const;
+
+  /// How a feature vertex moves with a border unknown, at the base; sorted by column, then vertex.
+  struct Motion {
+    Index column, vertex;
+    Vec2 value;
+  };
+  std::vector<Motion> motions() const;
+  /// An edge of a line with free lengths: how long it is now along the line (below 0: backwards), its rest length, and its
+  /// rates of change with the border unknowns at the base.
+  struct LineEdge {
+    double length = 0, rest = 0;
+    std::vector<std::pair<Index, double>> rate;
+  };
+  std::vector<LineEdge> line_edges() const;
+  /// How many of these run backwards, or have no length.
+  Index reversed_edges() const;
+  /// Feature vertices and the node that carries each, kNone: none; in the owners' order.
+  template <class Visit>
+  void visit_carried(Visit visit) const {
+    if (!poses_) return;
+    for (const Owner& owner : *owners_)
+      visit(owner.vertex, nodes_->assembly_node[assemblies_->of[owner.body]]);
+  }
 
   const Poses* poses() const { return poses_.get(); }
 

@@ -109,6 +109,10 @@ class Poses {
   void visit_slots(Index body, Index place, Visit visit) const;
   /// Gradient in the free coordinates, where the poses are now.   slot_gradient [num_slots];  gradient [num_free] out
   void pull_back(In<double> slot_gradient, Out<double> gradient) const;
+  /// Calls visit(length, rest, from, to) for every edge of the lines with free lengths: its length along the line now and at
+  /// rest, and the slots of its ends, kNone where an end does not move along.
+  template <class Visit>
+  void visit_line_edges(Visit visit) const;
   /// Change of a slot with the free coordinates at the base: visit(k, value).
   template <class Visit>
   void visit_free(Index slot, Visit visit) const;
@@ -216,6 +220,19 @@ void Poses::visit_slots(Index body, Index place, Visit visit) const {
     visit(s.angle_slot, Vec2{-ct.y, ct.x});
   }
   if (free_lengths && s.tau[place] != kNone) visit(s.tau[place], c);
+}
+
+template <class Visit>
+void Poses::visit_line_edges(Visit visit) const {
+  for (Index b = 0; b < static_cast<Index>(slots_.size()); ++b) {
+    const std::vector<Index>& tau = slots_[b].tau;
+    const std::vector<Vec2>& shape = compiled_->bodies[b].shape;
+    for (std::size_t i = 1; i < tau.size(); ++i) {
+      const auto place = static_cast<Index>(i);
+      visit(length_along(b, place) - length_along(b, place - 1), shape[i].x - shape[i - 1].x, tau[i - 1],
+            tau[i]);
+    }
+  }
 }
 
 template <class Visit>

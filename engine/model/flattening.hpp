@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/model/monitor.hpp"
+#include "engine/model/options.hpp"
 #include "kernels/base/types.hpp"
 
 namespace planish {
@@ -42,11 +44,24 @@ struct Certificate {
   std::vector<Index> overwound;      ///< vertex ids, ascending
 };
 
-/// One global step; iteration 0 is the first global solve.
+/// One step; iteration 0 is the first global solve.
 struct Iterate {
   int iteration = 0;
-  double energy = 0;    ///< arap per rest area
-  double gradient = 0;  ///< DESIGN 3.5
+  double energy = 0;                 ///< what the phase lowers, per rest area: arap, or that of FlipRemoval
+  double gradient = 0;               ///< DESIGN 3.5
+  Phase phase = Phase::LocalGlobal;  ///< LocalGlobal or Polish
+};
+
+/// What was done so that no triangle is flipped and no vertex overwound.
+struct FlipRemoval {
+  Flips method = Flips::Keep;
+  Offset flipped_before = 0, overwound_before = 0;  ///< where local/global steps ended
+  double arap_before = 0;                           ///< there
+  int patch_steps = 0;       ///< Newton steps in neighbourhoods, of the slowest one, added up
+  int untangling_steps = 0;  ///< Newton steps of the whole away from flips
+  int newton_steps = 0;      ///< of the whole down to the minimum
+  double energy = 0;  ///< what was minimised there, per rest area: arap and barrier, or symmetric_dirichlet
+  double barrier_weight = 0, barrier_delta = 0;  ///< DESIGN 3.6: mu and delta; 0 where there was none
 };
 
 /// What became of one constraint (DESIGN 4.3 "constraints"); of one on a seam there are two, a side each.
@@ -94,7 +109,8 @@ struct Flattening {
   bool converged = false;
   double gradient = 0;  ///< of the last iterate
   double holonomy_residual =
-      0;                        ///< largest residual of the rotation rows, radians (0 where none were solved)
+      0;  ///< largest residual of the rotation rows, radians (0 where none were solved)
+  FlipRemoval removal;
   ConstraintFacts constraints;  ///< empty where there are none
   std::vector<StepTime> timings;
   int threads = 1;

@@ -12,6 +12,8 @@ const char* name(Phase phase) {
     case Phase::Order: return "order";
     case Phase::Start: return "start";
     case Phase::LocalGlobal: return "local_global";
+    case Phase::Untangle: return "untangle";
+    case Phase::Polish: return "polish";
     case Phase::Measure: return "measure";
     case Phase::Write: return "write";
   }

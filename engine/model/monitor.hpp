@@ -5,7 +5,20 @@
 
 namespace planish {
 
-enum class Phase { Read, Check, Embed, Cut, Compile, Order, Start, LocalGlobal, Measure, Write };
+enum class Phase {
+  Read,
+  Check,
+  Embed,
+  Cut,
+  Compile,
+  Order,
+  Start,
+  LocalGlobal,
+  Untangle,
+  Polish,
+  Measure,
+  Write
+};
 const char* name(Phase phase);
 
 /// Facts at the end of an iteration or the start of a phase. Energies per rest area; gradient as in

@@ -11,10 +11,30 @@ enum class Init {
   Identity,   ///< triangles unfolded along a spanning tree without extra rotation (for comparison)
 };
 
+/// The energy that is minimised.
+enum class Energy {
+  Arap,                ///< as rigid as possible, and a barrier against flips where these are to be removed
+  SymmetricDirichlet,  ///< |J|^2 + |J^-1|^2: keeps areas and angles alike, never flips
+};
+
+const char* name(Energy energy);
+
+/// What is done about flipped triangles (DESIGN 3.6).
+enum class Flips {
+  Untangle,    ///< removed by minimising a regularised energy, then kept out of the minimum
+  Weights,     ///< the paper's procedure: flipped triangles weigh more from global step to global step
+  Stiffening,  ///< local stiffening (Bommes et al. 2009): so do distorted triangles and their neighbours
+  Keep,        ///< nothing
+};
+
+const char* name(Flips flips);
+
 struct FlattenOptions {
   Init init = Init::Uniform;
+  Energy energy = Energy::Arap;
+  Flips flips = Flips::Untangle;
   double tolerance = 1e-6;   ///< of the gradient (DESIGN 3.5), > 0
-  int max_iterations = 500;  ///< local/global steps after the first global solve, >= 0
+  int max_iterations = 500;  ///< local/global and Newton steps after the first global solve, >= 0
   /// The paper's own variant: directions of features as the first rotations have them, flipped triangles weigh more from
   /// global step to global step until none is left, triangles at features keep their first rotations.
   bool paper = false;

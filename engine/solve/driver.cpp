@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/solve/map_energy.hpp"
 #include "engine/solve/newton.hpp"
 #include "engine/solve/quasi_newton.hpp"
 
@@ -38,12 +39,16 @@ constexpr double kStaleTurn = 0.15;
 /// From so many vertices on solves are bound by memory, and read the factor in single precision.
 constexpr Index kLeastRounded = 50'000;
 
+/// A map with flips is near enough to the minimum for their removal: what is left is lost in what that changes.
+constexpr double kNearEnough = 1e-3;
+
 class Iteration {
  public:
   Iteration(const Exec& exec, const ArapProblem& problem)
       : exec_(exec),
         problem_(problem),
         local_(exec, problem.energy),
+        measure_(exec, problem.energy),
         quasi_newton_(exec, kQuasiNewtonMemory) {}
 
   /// The first global step, for the first rotations; then all directions are free to turn.
@@ -151,6 +156,14 @@ class Iteration {
     solve();
   }
 
+  /// Neither flips nor overwound vertices, and lines keep their order.
+  bool is_injective() { return measure_.is_injective(vertices(x_)) && dof_->reversed_edges() == 0; }
+  /// Back to where the last step began.
+  Result<void> take_back() {
+    x_.swap(x_before_);
+    return resume();
+  }
+
   double energy() const { return energy_ / problem_.energy.area; }
   /// Positions; the DOF map's poses are those of them.
   Result<std::vector<Vec2>> take_uv() {
@@ -200,6 +213,7 @@ class Iteration {
   const Exec& exec_;
   const ArapProblem& problem_;
   LocalPhase local_;
+  MapEnergy measure_;
   QuasiNewton quasi_newton_;
   DofMap* dof_ = nullptr;
   std::optional<BorderedPhase> bordered_;
@@ -213,15 +227,21 @@ class Iteration {
 /// The loop around the steps: what is recorded, reported and tested between them.
 class Loop {
  public:
-  Loop(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options, const Monitor& monitor)
-      : problem_(problem), options_(options), monitor_(monitor), iteration_(exec, problem) {}
+  Loop(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options, const Monitor& monitor,
+       Watch watch)
+      : problem_(problem), options_(options), monitor_(monitor), watch_(watch), iteration_(exec, problem) {}
 
   Result<Minimum> operator()() {
     if (auto started = iteration_.start(); !started) return fail(started.error());
-    bool newton_may_help = !problem_.constrained && problem_.energy.num_vertices() <= kMostNewtonVertices;
+    if (watch_ == Watch::Injectivity) minimum_.injective = iteration_.is_injective();
+    bool newton_may_help = watch_ == Watch::None && !problem_.constrained &&
+                           problem_.energy.num_vertices() <= kMostNewtonVertices;
     while (true) {
       if (auto recorded = record(); !recorded) return fail(recorded.error());
       if (finished()) break;
+      if (watch_ == Watch::Injectivity && minimum_.injective &&
+          promises_long_way(minimum_.history, options_.tolerance))
+        break;
       if (newton_may_help && promises_long_way(minimum_.history, options_.tolerance)) {
         newton_may_help = false;
         if (auto done = newton(); !done) return fail(done.error());
@@ -231,6 +251,14 @@ class Loop {
       if (auto fresh = iteration_.keep_fresh(); !fresh) return fail(fresh.error());
       if (!iteration_.advance()) break;
       ++steps_;
+      if (watch_ == Watch::None) continue;
+      const bool still = iteration_.is_injective();
+      if (minimum_.injective && !still) {
+        --steps_;
+        if (auto back = iteration_.take_back(); !back) return fail(back.error());
+        break;
+      }
+      minimum_.injective = still;
     }
     auto uv = iteration_.take_uv();
     if (!uv) return fail(uv.error());
@@ -239,7 +267,10 @@ class Loop {
   }
 
  private:
-  bool finished() const { return minimum_.converged || steps_ >= options_.max_iterations; }
+  bool finished() const {
+    return minimum_.converged || steps_ >= options_.max_iterations ||
+           (watch_ == Watch::Injectivity && !minimum_.injective && minimum_.gradient <= kNearEnough);
+  }
 
   Result<void> record() {
     minimum_.gradient = iteration_.gradient();
@@ -272,6 +303,7 @@ class Loop {
   const ArapProblem& problem_;
   const FlattenOptions& options_;
   const Monitor& monitor_;
+  Watch watch_;
   Iteration iteration_;
   Minimum minimum_;
   int steps_ = 0;
@@ -280,8 +312,8 @@ class Loop {
 }  // namespace
 
 Result<Minimum> minimise_arap(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options,
-                              const Monitor& monitor) {
-  return Loop(exec, problem, options, monitor)();
+                              const Monitor& monitor, Watch watch) {
+  return Loop(exec, problem, options, monitor, watch)();
 }
 
 }  // namespace planish

@@ -1,6 +1,7 @@
 // The outer loop of local/global: from first rotations to a local minimum of the ARAP energy.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "engine/constraints/dof_map.hpp"
@@ -30,14 +31,29 @@ struct ArapProblem {
   In<Index> order;             ///< fill-reducing order of the vertices
   In<Index> vertex_component;  ///< [V]
   Index num_components = 1;
+  /// A map without flips [V], where there is one.
+  std::function<Result<std::vector<Vec2>>()> last_resort = {};
+  std::vector<std::uint8_t> turns_freely = {};  ///< per component: 1 where nothing says how it is turned
   bool constrained = false;
+};
+
+/// When the outer loop ends before the tolerance is met.
+enum class Watch {
+  None,
+  /// For maps without flips: before a step that would flip a triangle of such a map or overwind a vertex of it, and where
+  /// Newton steps promise to be faster. For others: as soon as the gradient is small enough for the removal of flips to
+  /// begin.
+  Injectivity
 };
 
 struct Minimum {
   std::vector<Vec2> uv;  ///< [V]; the DOF map's poses are those of it
   std::vector<Iterate> history;
   bool converged = false;
+  /// No flipped triangle, no overwound vertex, lines keep their order; looked at with Watch::Injectivity.
+  bool injective = false;
   double gradient = 0;
+  FlipRemoval removal;
 };
 
 /// Starts with the global solve for the first rotations, then takes quasi-Newton local/global steps until the
@@ -47,6 +63,6 @@ struct Minimum {
 /// Fails: Cancelled, OutOfMemory, FactorizationFailed.
 /// Cost: one solve and one or more local phases a step; a factorization of twice the size a Newton step.
 Result<Minimum> minimise_arap(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options,
-                              const Monitor& monitor);
+                              const Monitor& monitor, Watch watch = Watch::None);
 
 }  // namespace planish

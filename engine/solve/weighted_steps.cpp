@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
-#include "kernels/exact/orient2.hpp"
+#include "engine/solve/map_energy.hpp"
 #include "kernels/intrinsic/cotangents.hpp"
+#include "kernels/local/jacobians.hpp"
 #include "kernels/local/proxy.hpp"
+#include "kernels/local/svd2.hpp"
 
 namespace planish {
 namespace {
@@ -17,6 +19,8 @@ class WeightedSteps {
         settled_(settled),
         dof_(*problem.first),
         local_(exec, problem.energy),
+        measure_(exec, problem.energy),
+        stiffness_(problem.energy.num_triangles(), 1),
         rotation_(problem.rotation.begin(), problem.rotation.end()),
         cotangent_(problem.energy.cotangent.begin(), problem.energy.cotangent.end()),
         x_(dof_.origin()),
@@ -39,16 +43,36 @@ class WeightedSteps {
     return {};
   }
 
-  /// Doubles the weights of flipped triangles; their number.
-  Index weigh() {
-    Index flipped = 0;
-    for (Index t = 0; t < problem_.energy.num_triangles(); ++t) {
-      const auto z = image(t);
-      if (orient2(z[0], z[1], z[2]) > 0) continue;
-      ++flipped;
+  Index count_flipped() const { return static_cast<Index>(measure_.flipped(vertices()).size()); }
+
+  void double_flipped() {
+    for (const Index t : measure_.flipped(vertices())) {
       for (Index c = 3 * t; c < 3 * t + 3; ++c) cotangent_[c] *= 2;
     }
-    return flipped;
+  }
+
+  void stiffen() {
+    constexpr double kGain = 1, kMostGain = 5;
+    const Index num_triangles = problem_.energy.num_triangles();
+    std::vector<double> distortion(num_triangles);
+    for (Index t = 0; t < num_triangles; ++t) {
+      const auto z = image(t);
+      const SingularValues s = singular_values(jacobian(problem_.energy.frame[t], z[0], z[1], z[2]));
+      distortion[t] = std::abs(s.sigma_max - 1) + std::abs(s.sigma_min - 1);
+    }
+    for (Index t = 0; t < num_triangles; ++t) {
+      double sum = 0, neighbours = 0;
+      for (Index c = 3 * t; c < 3 * t + 3; ++c) {
+        const Index twin = problem_.topology->corner_twin[c];
+        if (twin == kNone) continue;
+        sum += distortion[twin / 3];
+        ++neighbours;
+      }
+      if (neighbours == 0) continue;
+      const double before = stiffness_[t];
+      stiffness_[t] += std::min(kGain * std::abs(sum / neighbours - distortion[t]), kMostGain);
+      for (Index c = 3 * t; c < 3 * t + 3; ++c) cotangent_[c] *= stiffness_[t] / before;
+    }
   }
 
   void rotate() {
@@ -63,9 +87,7 @@ class WeightedSteps {
 
   /// Unweighted, per area.
   double energy() {
-    return local_.evaluate(In<Vec2>(x_).first(dof_.num_vertices()),
-                           Out<Vec2>(force_).first(dof_.num_vertices())) /
-           problem_.energy.area;
+    return local_.evaluate(vertices(), Out<Vec2>(force_).first(dof_.num_vertices())) / problem_.energy.area;
   }
 
   std::vector<Vec2> take_uv() {
@@ -74,11 +96,10 @@ class WeightedSteps {
   }
 
  private:
+  In<Vec2> vertices() const { return In<Vec2>(x_).first(dof_.num_vertices()); }
   In<Index> corner_vertex() const { return problem_.energy.corner_vertex; }
 
-  std::array<Vec2, 3> image(Index t) const {
-    return {x_[corner_vertex()[3 * t]], x_[corner_vertex()[3 * t + 1]], x_[corner_vertex()[3 * t + 2]]};
-  }
+  std::array<Vec2, 3> image(Index t) const { return corner_images(corner_vertex(), t, x_); }
 
   EdgeWeight weight() const {
     return [this](Index c) { return edge_cotangent(cotangent_, c, problem_.topology->corner_twin[c]); };
@@ -93,8 +114,7 @@ class WeightedSteps {
     ArapEnergy weighted = problem_.energy;
     weighted.cotangent = cotangent_;
     LocalPhase(exec_, weighted)
-        .evaluate_rotations(In<Vec2>(x_).first(dof_.num_vertices()), rotation_,
-                            Out<Vec2>(force_).first(dof_.num_vertices()));
+        .evaluate_rotations(vertices(), rotation_, Out<Vec2>(force_).first(dof_.num_vertices()));
     dof_.fold(force_);
   }
 
@@ -103,6 +123,8 @@ class WeightedSteps {
   In<std::uint8_t> settled_;
   DofMap& dof_;
   LocalPhase local_;
+  MapEnergy measure_;
+  std::vector<double> stiffness_;  // [T] weights against flips; in cotangent_ too
   std::vector<Vec2> rotation_;
   std::vector<double> cotangent_;  // weighted
   std::vector<Vec2> x_, force_, change_;
@@ -121,8 +143,13 @@ Result<Minimum> weighted_global_steps(const Exec& exec, const ArapProblem& probl
     const Progress progress{Phase::LocalGlobal, k, minimum.history.back().energy, kInfinity};
     if (monitor && monitor(progress) == Verdict::Stop)
       return fail(ErrorCode::Cancelled, "stopped by the caller");
-    minimum.converged = steps.weigh() == 0;
+    minimum.converged = steps.count_flipped() == 0;
     if (minimum.converged || k == options.max_iterations) break;
+    if (options.flips == Flips::Stiffening) {
+      steps.stiffen();
+    } else {
+      steps.double_flipped();
+    }
     steps.rotate();
   }
   minimum.uv = steps.take_uv();

@@ -115,7 +115,7 @@ TEST_CASE("constraint modes: weights turn flipped triangles back in the paper's 
   line["scale"] = 1.6;
   write(panel.constraints, stretched.dump());
   const Scratch scratch;
-  REQUIRE(panel.flatten("--report " + scratch.file("flips.json")).code == 6);
+  REQUIRE(panel.flatten("--flips keep --report " + scratch.file("flips.json")).code == 6);
   const Ran weighed = panel.flatten("--paper --report " + scratch.file("r.json"));
   const json report = json::parse(content_of(scratch.file("r.json")));
   CHECK(report.at("iterations").get<int>() > 0);

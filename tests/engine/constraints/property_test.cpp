@@ -21,6 +21,7 @@ Flattening solved(const ConstrainedCase& c, FlattenOptions options = {}) {
 
 void never_rises(const std::vector<Iterate>& history) {
   for (std::size_t k = 1; k < history.size(); ++k) {
+    if (history[k].phase != history[k - 1].phase) continue;
     RC_ASSERT(history[k].energy <= history[k - 1].energy * (1 + 1e-12) + 1e-15);
   }
 }
@@ -65,6 +66,7 @@ TEST_CASE("constraints: sets that can be met are met, and the energy never rises
     RC_CLASSIFY(f.converged, "converged");
     RC_CLASSIFY(c.set.constraints.size() > 4, "more than 4 constraints");
     RC_ASSERT(f.holonomy_residual <= 1e-9);
+    if (f.history.back().phase != Phase::LocalGlobal) return;
     RC_ASSERT(std::abs(f.history.back().energy - f.certificate.arap) <= 1e-9 * f.certificate.arap + 1e-15);
   });
 }
@@ -125,7 +127,8 @@ TEST_CASE("constraints: directions that may turn never cost energy") {
   check_property(150, [] {
     const ConstrainedCase c = feasible_case(*case_seeds(200, 1000, 10));
     RC_LOG() << c << std::endl;
-    const Flattening kept = solved(c, {.keep_directions = true}), free = solved(c);
+    const Flattening kept = solved(c, {.flips = Flips::Keep, .keep_directions = true}),
+                     free = solved(c, {.flips = Flips::Keep});
     never_rises(kept.history);
     never_rises(free.history);
     RC_LOG() << "kept " << kept.history.back().energy << ", free " << free.history.back().energy << std::endl;

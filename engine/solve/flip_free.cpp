@@ -1,0 +1,220 @@
+#include "engine/solve/flip_free.hpp"
+
+#include <algorithm>
+
+#include "engine/solve/newton_map.hpp"
+#include "engine/solve/patch_work.hpp"
+#include "engine/solve/untangle.hpp"
+
+namespace planish {
+namespace {
+
+MapDensity density_of(const FlattenOptions& options) {
+  return {.kind =
+              options.energy == Energy::Arap ? MapDensity::Kind::Arap : MapDensity::Kind::SymmetricDirichlet};
+}
+
+/// The unknowns of positions whose features lie as the DOF map's poses have them.
+std::vector<Vec2> unknowns_at(const ArapProblem& problem, std::vector<Vec2> uv) {
+  uv.resize(problem.dof->size());
+  problem.dof->collect(uv);
+  return uv;
+}
+
+NewtonMap whole_map(const Exec& exec, const ArapProblem& problem, std::vector<Vec2> x) {
+  ReducedUnknowns unknowns =
+      whole_unknowns(*problem.dof, problem.order, problem.vertex_component, problem.turns_freely, x);
+  return NewtonMap(exec, problem.energy, std::move(unknowns), problem.dof, std::move(x));
+}
+
+Result<void> say(const Monitor& monitor, const Progress& progress) {
+  if (!monitor || monitor(progress) == Verdict::Continue) return {};
+  return fail(ErrorCode::Cancelled, "stopped by the caller");
+}
+
+class FlipRemover {
+ public:
+  FlipRemover(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options,
+              const Monitor& monitor, Minimum& minimum)
+      : exec_(exec),
+        problem_(problem),
+        options_(options),
+        monitor_(monitor),
+        minimum_(minimum),
+        measure_(exec, problem.energy),
+        patches_(exec, problem) {}
+
+  Result<void> operator()() {
+    minimum_.removal.flipped_before = static_cast<Offset>(measure_.flipped(minimum_.uv).size());
+    minimum_.removal.overwound_before =
+        static_cast<Offset>(overwound_vertices(exec_, problem_.energy, minimum_.uv).size());
+    minimum_.removal.arap_before = minimum_.history.back().energy;
+    if (minimum_.injective) return {};
+    least_faults_ = faults(minimum_.uv);
+    auto removed = from(minimum_.uv);
+    if (removed && !minimum_.injective && minimum_.history.size() > 1) removed = from_first_map();
+    if (removed && !minimum_.injective && problem_.last_resort) removed = from_last_resort();
+    minimum_.removal.patch_steps = patches_.steps_done();
+    minimum_.converged = false;
+    return removed;
+  }
+
+ private:
+  Offset faults(In<Vec2> uv) const {
+    return static_cast<Offset>(measure_.flipped(uv).size() +
+                               overwound_vertices(exec_, problem_.energy, uv).size()) +
+           problem_.dof->reversed_edges();
+  }
+
+  Result<void> from_first_map() {
+    FlattenOptions first = options_;
+    first.max_iterations = 0;
+    auto map = minimise_arap(exec_, problem_, first, monitor_);
+    return map ? from(std::move(map->uv)) : fail(map.error());
+  }
+
+  /// A map without flips, brought near to the surface's shape by an energy that copes with any start.
+  Result<void> from_last_resort() {
+    constexpr int kMostSteps = 100;
+    constexpr double kNear = 1e-2;
+    auto uv = problem_.last_resort();
+    if (!uv) return fail(uv.error());
+    hold(*uv);
+    if (auto done = from(std::move(*uv)); !done || !minimum_.injective) return done;
+    NewtonMap map = whole_map(exec_, problem_, unknowns_at(problem_, minimum_.uv));
+    map.lower({.kind = MapDensity::Kind::SymmetricDirichlet});
+    int& steps = minimum_.removal.untangling_steps;
+    auto descent = descend(map, kNear, kMostSteps, [&](double gradient) {
+      return say(monitor_, {Phase::Untangle, ++steps, map.energy() / problem_.energy.area, gradient});
+    });
+    if (!descent) return fail(descent.error());
+    minimum_.uv.assign(map.uv().begin(), map.uv().end());
+    return {};
+  }
+
+  /// Moves components so that what is held lies at 0.
+  void hold(Out<Vec2> uv) const {
+    std::vector<Vec2> by(problem_.num_components);
+    for (Index v = 0; v < static_cast<Index>(uv.size()); ++v) {
+      if (problem_.energy.fixed[v]) by[problem_.vertex_component[v]] = uv[v];
+    }
+    for (Index v = 0; v < static_cast<Index>(uv.size()); ++v)
+      uv[v] = uv[v] - by[problem_.vertex_component[v]];
+  }
+
+  /// Keeps the result where it has fewer faults.
+  Result<void> from(std::vector<Vec2> uv) {
+    constexpr int kMostSteps = 100;
+    if (auto done = patches_.untangle(density_of(options_), monitor_, uv); !done) return done;
+    if (faults(uv) > 0) {
+      NewtonMap map = whole_map(exec_, problem_, unknowns_at(problem_, std::move(uv)));
+      int& steps = minimum_.removal.untangling_steps;
+      auto positive = untangle(map, steps + kMostSteps, steps, [&] {
+        return say(monitor_, {.phase = Phase::Untangle, .iteration = steps, .energy = map.energy()});
+      });
+      if (!positive) return fail(positive.error());
+      uv.assign(map.uv().begin(), map.uv().end());
+    }
+    const Offset left = faults(uv);
+    if (left >= least_faults_) return {};
+    least_faults_ = left;
+    minimum_.uv = std::move(uv);
+    minimum_.injective = left == 0;
+    return {};
+  }
+
+  const Exec& exec_;
+  const ArapProblem& problem_;
+  const FlattenOptions& options_;
+  const Monitor& monitor_;
+  Minimum& minimum_;
+  MapEnergy measure_;
+  PatchWork patches_;
+  Offset least_faults_ = 0;
+};
+
+class Polish {
+ public:
+  Polish(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options, const Monitor& monitor,
+         Minimum& minimum)
+      : exec_(exec),
+        problem_(problem),
+        options_(options),
+        monitor_(monitor),
+        minimum_(minimum),
+        density_(density_of(options)),
+        patches_(exec, problem),
+        map_(whole_map(exec, problem, unknowns_at(problem, minimum.uv))) {}
+
+  Result<void> operator()() {
+    FlipRemoval& removal = minimum_.removal;
+    if (options_.energy == Energy::Arap) {
+      removal.barrier_weight = density_.barrier.weight;
+      removal.barrier_delta = density_.barrier.delta;
+    }
+    map_.lower(density_);
+    bool patches_help = true;
+    for (;; ++removal.newton_steps) {
+      if (patches_help) {
+        if (auto relaxed = relax_patches(patches_help); !relaxed) return relaxed;
+      }
+      if (auto prepared = map_.prepare(); !prepared) return prepared;
+      if (auto recorded = record(); !recorded) return recorded;
+      const bool last = minimum_.history.back().iteration >= options_.max_iterations;
+      minimum_.converged = minimum_.gradient <= options_.tolerance;
+      if (minimum_.converged || last || !map_.advance()) break;
+    }
+    removal.energy = map_.energy() / problem_.energy.area;
+    removal.patch_steps += patches_.steps_done();
+    minimum_.uv.assign(map_.uv().begin(), map_.uv().end());
+    return {};
+  }
+
+ private:
+  /// helped: out, whether the energy fell.
+  Result<void> relax_patches(bool& helped) {
+    constexpr double kPatchTolerance = 1e-4;
+    std::vector<Vec2> x = map_.x();
+    const double before = map_.energy();
+    if (auto done = patches_.relax(density_, kPatchTolerance, monitor_, x); !done) return done;
+    map_.move_to(std::move(x));
+    helped = map_.energy() < before;
+    return {};
+  }
+
+  Result<void> record() {
+    const int iteration = minimum_.history.back().iteration + 1;
+    minimum_.gradient = map_.gradient();
+    minimum_.history.push_back(
+        {iteration, map_.energy() / problem_.energy.area, minimum_.gradient, Phase::Polish});
+    const Iterate& now = minimum_.history.back();
+    return say(monitor_, {Phase::Polish, iteration, now.energy, now.gradient});
+  }
+
+  const Exec& exec_;
+  const ArapProblem& problem_;
+  const FlattenOptions& options_;
+  const Monitor& monitor_;
+  Minimum& minimum_;
+  MapDensity density_;
+  PatchWork patches_;
+  NewtonMap map_;
+};
+
+}  // namespace
+
+Result<void> remove_flips(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options,
+                          const Monitor& monitor, Minimum& minimum) {
+  return FlipRemover(exec, problem, options, monitor, minimum)();
+}
+
+Result<void> polish(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options,
+                    const Monitor& monitor, Minimum& minimum) {
+  if (!minimum.injective) return {};
+  const bool keeps_clear = MapEnergy(exec, problem.energy).least_determinant(minimum.uv) >= Barrier{}.delta;
+  if (options.energy == Energy::Arap && minimum.converged && keeps_clear) return {};
+  if (minimum.history.back().iteration >= options.max_iterations) return {};
+  return Polish(exec, problem, options, monitor, minimum)();
+}
+
+}  // namespace planish

@@ -1,0 +1,75 @@
+// A map that projected Newton steps move: the whole surface with its features, or a neighbourhood with its rim held.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "engine/solve/global_phase.hpp"
+#include "engine/solve/reduced_hessian.hpp"
+
+namespace planish {
+
+class NewtonMap {
+ public:
+  /// x: [V], or [dof.size()] with a DOF map, expanded there.   dof: null where vertices alone move.
+  /// All arguments but the unknowns must outlive it.
+  NewtonMap(const Exec& exec, const ArapEnergy& mesh, ReducedUnknowns unknowns, DofMap* dof,
+            std::vector<Vec2> x);
+
+  /// The energy that steps lower from now on; evaluated at the present place.
+  void lower(const MapDensity& density);
+  double energy() const { return energy_; }  ///< not divided by the area
+  In<Vec2> uv() const { return In<Vec2>(x_).first(mesh_.num_vertices()); }
+  const std::vector<Vec2>& x() const { return x_; }
+  MapEnergy& measure() { return measure_; }
+  /// No flipped triangle, and no edge that runs backwards along a line.
+  bool is_positive() const {
+    return measure_.flipped(uv()).empty() && (!dof_ || dof_->reversed_edges() == 0);
+  }
+  /// Another place to go on from; x as in the constructor.
+  void move_to(std::vector<Vec2> x);
+
+  /// Prepares a Newton direction with the Hessian that share of the way towards its projection; 1 is positive semidefinite,
+  /// below that a smaller share is tried next time where it was definite, and a larger one at once where it was not.
+  /// Fails: OutOfMemory, FactorizationFailed (projected too: the map is degenerate).
+  Result<void> prepare();
+  /// The share that was needed last.
+  double projection() const { return projection_; }
+  /// sqrt(g^T H^-1 g / E), of the direction prepared last (DESIGN 3.5).
+  double gradient() const;
+
+  /// Moves along the direction prepared last. With an energy that is infinite at flips: by less than the first flip of any
+  /// triangle on the linearised path, and never to a place with a flipped triangle or an overwound vertex. False, and
+  /// where it was, where no length lowers the energy.
+  bool advance();
+  double last_length() const { return length_; }  ///< 1 is a whole Newton step
+
+ private:
+  bool keeps_positive() const { return density_.kind != MapDensity::Kind::Untangling; }
+  Out<Vec2> vertices(std::vector<Vec2>& x) const { return Out<Vec2>(x).first(mesh_.num_vertices()); }
+  double evaluate_at(std::vector<Vec2>& x, std::vector<Vec2>& force);
+  double add_line_edges(std::vector<Vec2>& force) const;
+  double first_reversal() const;
+  Result<void> factor();
+  void solve();
+  void renew_moves();
+
+  const Exec& exec_;
+  ArapEnergy mesh_;
+  ReducedUnknowns unknowns_;
+  DofMap* dof_;
+  MapEnergy measure_;
+  MapDensity density_;
+  std::optional<GlobalPhase> global_;
+  std::vector<Index> order_;  // the unknowns' own
+  std::vector<Vec2> x_, force_, direction_, x_trial_, force_trial_;
+  double energy_ = 0, force_times_direction_ = 0, length_ = 1;
+  double projection_ = 1;
+};
+
+/// Unknowns of a whole map. order: fill-reducing, of the vertices.
+///   turns_freely: per component, 1 where nothing says how it is turned: a coordinate of a vertex far from its centre is held
+ReducedUnknowns whole_unknowns(const DofMap& dof, In<Index> order, In<Index> vertex_component,
+                               In<std::uint8_t> turns_freely, In<Vec2> x);
+
+}  // namespace planish

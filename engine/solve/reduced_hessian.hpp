@@ -1,0 +1,41 @@
+// Hessians of map energies over the unknowns that a map is moved by: free vertices, and what moves features.
+#pragma once
+
+#include <vector>
+
+#include "engine/constraints/dof_map.hpp"
+#include "engine/solve/map_energy.hpp"
+#include "engine/solve/symmetric_matrix.hpp"
+
+namespace planish {
+
+/// Real unknowns in the order of elimination: a pair of coordinates for each free vertex, then those that move features.
+struct ReducedUnknowns {
+  std::vector<Index> vertex;  ///< of pair k
+  std::vector<Index> pair;    ///< [V] kNone: held, or on a feature
+  /// Moves of feature vertices: those of vertex feature_vertex[i] are [begin[i], begin[i + 1]).
+  struct Move {
+    Index unknown;
+    Vec2 by;
+  };
+  std::vector<Index> feature_vertex, feature_place, move_begin;  // feature_place [V] or empty
+  std::vector<Move> move;
+  std::vector<DofMap::LineEdge> line;  ///< rates over the unknowns
+  Index size = 0;
+  std::vector<Index> held;  ///< unknowns that do not move, for their rows to be definite
+
+  Index num_pairs() const { return static_cast<Index>(vertex.size()); }
+  In<Move> moves_of(Index v) const {
+    const Index i = feature_place.empty() ? kNone : feature_place[v];
+    return i == kNone ? In<Move>() : In<Move>(move).subspan(move_begin[i], move_begin[i + 1] - move_begin[i]);
+  }
+};
+
+/// Half the Hessian at uv; one pattern for the same unknowns, whatever the values. Curvature of the ways that features are
+/// moved is left out: what directions add beyond it vanishes with the forces.
+///   order: of the unknowns' vertices
+/// Cost: O(T) in the triangles at moving vertices, parallel; O(m^2) at triangles with m moves of features.
+SymmetricMatrix reduced_hessian(const Exec& exec, const ArapEnergy& mesh, const ReducedUnknowns& unknowns,
+                                const MapDensity& density, double projection, In<Vec2> uv);
+
+}  // namespace planish
