@@ -153,7 +153,7 @@ class Polish {
       removal.barrier_delta = density_.barrier.delta;
     }
     map_.lower(density_);
-    bool patches_help = true;
+    bool patches_help = options_.energy == Energy::Arap;  // the other one does not crumple
     for (;; ++removal.newton_steps) {
       if (patches_help) {
         if (auto relaxed = relax_patches(patches_help); !relaxed) return relaxed;
@@ -173,7 +173,7 @@ class Polish {
  private:
   /// helped: out, whether the energy fell.
   Result<void> relax_patches(bool& helped) {
-    constexpr double kPatchTolerance = 1e-4;
+    constexpr double kPatchTolerance = 1e-4;  // a looser one leaves many times the work to steps of the whole
     std::vector<Vec2> x = map_.x();
     const double before = map_.energy();
     if (auto done = patches_.relax(density_, kPatchTolerance, monitor_, x); !done) return done;
