@@ -25,8 +25,9 @@ def run(program, mesh, folder, extra):
 
 
 def iterations_to(report, share):
-    least = report["energy"]["arap"]
-    return next(h["iteration"] for h in report["history"] if h["energy"] <= least * (1 + share))
+    steps = [h for h in report["history"] if h["phase"] == "local_global"]
+    least = steps[-1]["energy"]
+    return next(h["iteration"] for h in steps if h["energy"] <= least * (1 + share))
 
 
 def row(mesh, runs):
