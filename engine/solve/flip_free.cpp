@@ -27,6 +27,12 @@ NewtonMap whole_map(const Exec& exec, const ArapProblem& problem, std::vector<Ve
   return NewtonMap(exec, problem.energy, std::move(unknowns), problem.dof, std::move(x));
 }
 
+/// Where even the projected Hessian is degenerate no step is left, and what was reached stays.
+Result<void> unless_degenerate(Result<void> done) {
+  if (!done && done.error().code == ErrorCode::FactorizationFailed) return {};
+  return done;
+}
+
 Result<void> say(const Monitor& monitor, const Progress& progress) {
   if (!monitor || monitor(progress) == Verdict::Continue) return {};
   return fail(ErrorCode::Cancelled, "stopped by the caller");
@@ -51,9 +57,11 @@ class FlipRemover {
     minimum_.removal.arap_before = minimum_.history.back().energy;
     if (minimum_.injective) return {};
     least_faults_ = faults(minimum_.uv);
-    auto removed = from(minimum_.uv);
-    if (removed && !minimum_.injective && minimum_.history.size() > 1) removed = from_first_map();
-    if (removed && !minimum_.injective && problem_.last_resort) removed = from_last_resort();
+    auto removed = unless_degenerate(from(minimum_.uv));
+    if (removed && !minimum_.injective && minimum_.history.size() > 1)
+      removed = unless_degenerate(from_first_map());
+    if (removed && !minimum_.injective && problem_.last_resort)
+      removed = unless_degenerate(from_last_resort());
     minimum_.removal.patch_steps = patches_.steps_done();
     minimum_.converged = false;
     return removed;
@@ -83,11 +91,12 @@ class FlipRemover {
     if (auto done = from(std::move(*uv)); !done || !minimum_.injective) return done;
     NewtonMap map = whole_map(exec_, problem_, unknowns_at(problem_, minimum_.uv));
     map.lower({.kind = MapDensity::Kind::SymmetricDirichlet});
-    int& steps = minimum_.removal.untangling_steps;
-    auto descent = descend(map, kNear, kMostSteps, [&](double gradient) {
-      return say(monitor_, {Phase::Untangle, ++steps, map.energy() / problem_.energy.area, gradient});
-    });
-    if (!descent) return fail(descent.error());
+    Descent descent(map, kNear, kMostSteps);
+    while (!descent.is_done()) {
+      const int step = ++minimum_.removal.untangling_steps;
+      auto said = say(monitor_, {Phase::Untangle, step, map.energy() / problem_.energy.area});
+      if (auto stepped = said.and_then([&] { return descent.step(); }); !stepped) return stepped;
+    }
     minimum_.uv.assign(map.uv().begin(), map.uv().end());
     return {};
   }
@@ -108,11 +117,12 @@ class FlipRemover {
     if (auto done = patches_.untangle(density_of(options_), monitor_, uv); !done) return done;
     if (faults(uv) > 0) {
       NewtonMap map = whole_map(exec_, problem_, unknowns_at(problem_, std::move(uv)));
-      int& steps = minimum_.removal.untangling_steps;
-      auto positive = untangle(map, steps + kMostSteps, steps, [&] {
-        return say(monitor_, {.phase = Phase::Untangle, .iteration = steps, .energy = map.energy()});
-      });
-      if (!positive) return fail(positive.error());
+      Untangling untangling(map, kMostSteps);
+      while (!untangling.is_done()) {
+        const int step = ++minimum_.removal.untangling_steps;
+        auto said = say(monitor_, {.phase = Phase::Untangle, .iteration = step, .energy = map.energy()});
+        if (auto stepped = said.and_then([&] { return untangling.step(); }); !stepped) return stepped;
+      }
       uv.assign(map.uv().begin(), map.uv().end());
     }
     const Offset left = faults(uv);
@@ -158,7 +168,10 @@ class Polish {
       if (patches_help) {
         if (auto relaxed = relax_patches(patches_help); !relaxed) return relaxed;
       }
-      if (auto prepared = map_.prepare(); !prepared) return prepared;
+      if (auto prepared = map_.prepare(); !prepared) {
+        if (auto severe = unless_degenerate(prepared); !severe) return severe;
+        break;
+      }
       if (auto recorded = record(); !recorded) return recorded;
       const bool last = minimum_.history.back().iteration >= options_.max_iterations;
       minimum_.converged = minimum_.gradient <= options_.tolerance;

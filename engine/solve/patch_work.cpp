@@ -1,6 +1,9 @@
 #include "engine/solve/patch_work.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
 
 #include "engine/solve/untangle.hpp"
 
@@ -8,8 +11,74 @@ namespace planish {
 namespace {
 
 constexpr int kRings = 4;
+constexpr int kMostUntangling = 25;  // steps; what takes more is left to the whole
 /// Mean stretch below which a triangle is part of a compressed place.
 constexpr double kCompressed = 0.6;
+
+/// One patch, worked on in slices of time, so that the caller can be asked in between whether to go on.
+class PatchJob {
+ public:
+  PatchJob(const Exec& exec, const ArapEnergy& mesh, const Patch& patch, const MapDensity& density,
+           In<Vec2> x)
+      : patch_(patch), density_(density), local_(mesh, patch) {
+    std::vector<Vec2> start;
+    for (const Index v : patch.vertex) start.push_back(x[v]);
+    map_.emplace(exec, local_.energy(), local_.unknowns(), nullptr, std::move(start));
+  }
+  PatchJob(const PatchJob&) = delete;
+  PatchJob& operator=(const PatchJob&) = delete;
+
+  void untangle(int most_steps) { untangling_.emplace(*map_, most_steps); }
+  void descend(double tolerance, int most_steps) {
+    tolerance_ = tolerance;
+    most_steps_ = most_steps;
+  }
+
+  bool is_done() const { return done_; }
+  int steps() const { return (untangling_ ? untangling_->steps() : 0) + (descent_ ? descent_->steps() : 0); }
+
+  /// Steps until the time is up, at least one.   Fails: OutOfMemory.
+  Result<void> work(double seconds) {
+    using Clock = std::chrono::steady_clock;
+    const auto begin = Clock::now();
+    do {
+      auto stepped = step();
+      if (!stepped && stepped.error().code != ErrorCode::FactorizationFailed) return stepped;
+      if (!stepped) done_ = true;  // what was reached before stays good
+    } while (!done_ && std::chrono::duration<double>(Clock::now() - begin).count() < seconds);
+    return {};
+  }
+
+  void write_back(Out<Vec2> x) const {
+    if (!good_) return;
+    for (Index i = 0; i < patch_.num_free; ++i) x[patch_.vertex[i]] = map_->uv()[i];
+  }
+
+ private:
+  Result<void> step() {
+    if (untangling_ && !untangling_->is_done()) return untangling_->step();
+    if (!descent_) {
+      good_ = map_->measure().is_injective(map_->uv());
+      done_ = !good_;
+      if (done_) return {};
+      map_->lower(density_);
+      descent_.emplace(*map_, tolerance_, most_steps_);
+    }
+    auto stepped = descent_->step();
+    done_ = descent_->is_done();
+    return stepped;
+  }
+
+  const Patch& patch_;
+  MapDensity density_;
+  PatchMesh local_;
+  std::optional<NewtonMap> map_;
+  std::optional<Untangling> untangling_;
+  std::optional<Descent> descent_;
+  double tolerance_ = 0;
+  int most_steps_ = 0;
+  bool good_ = false, done_ = false;
+};
 
 }  // namespace
 
@@ -24,32 +93,33 @@ PatchWork::PatchWork(const Exec& exec, const ArapProblem& problem)
   for (Index k = 0; k < static_cast<Index>(problem.order.size()); ++k) rank_[problem.order[k]] = k;
 }
 
-/// work(map): steps taken, or an error; positions are written back where it returns true in its second part.
-template <class Work>
-Result<void> PatchWork::in_patches(const std::vector<Patch>& patches, const Monitor& monitor, Out<Vec2> x,
-                                   Work work) {
-  std::vector<Result<int>> steps(patches.size(), 0);
-  exec_.for_tasks(static_cast<Index>(patches.size()), [&](Index k) {
-    const Patch& patch = patches[k];
-    const PatchMesh local(mesh_, patch);
-    std::vector<Vec2> start;
-    for (const Index v : patch.vertex) start.push_back(x[v]);
-    NewtonMap map(exec_, local.energy(), local.unknowns(), nullptr, std::move(start));
-    int taken = 0;
-    const Result<bool> good = work(map, taken);
-    steps[k] = taken;
-    if (!good && good.error().code != ErrorCode::FactorizationFailed) steps[k] = fail(good.error());
-    if (!good || !*good) return;
-    for (Index i = 0; i < patch.num_free; ++i) x[patch.vertex[i]] = map.uv()[i];
-  });
+Result<void> PatchWork::run(const std::vector<Patch>& patches, bool untangle, const MapDensity& density,
+                            double tolerance, int most_steps, const Monitor& monitor, Out<Vec2> x) {
+  constexpr double kSlice = 0.2;  // seconds
+  std::vector<std::unique_ptr<PatchJob>> jobs;
+  for (const Patch& patch : patches) {
+    jobs.push_back(std::make_unique<PatchJob>(exec_, mesh_, patch, density, x));
+    if (untangle) jobs.back()->untangle(kMostUntangling);
+    jobs.back()->descend(tolerance, most_steps);
+  }
+  std::vector<Result<void>> worked(jobs.size());
+  const auto is_done = [](const auto& job) { return job->is_done(); };
+  while (!std::all_of(jobs.begin(), jobs.end(), is_done)) {
+    exec_.for_tasks(static_cast<Index>(jobs.size()), [&](Index k) {
+      if (!jobs[k]->is_done()) worked[k] = jobs[k]->work(kSlice);
+    });
+    for (const Result<void>& w : worked) {
+      if (!w) return w;
+    }
+    if (monitor && monitor({.phase = Phase::Untangle, .iteration = steps_}) == Verdict::Stop)
+      return fail(ErrorCode::Cancelled, "stopped by the caller");
+  }
   int most = 0;
-  for (const Result<int>& taken : steps) {
-    if (!taken) return fail(taken.error());
-    most = std::max(most, *taken);
+  for (const auto& job : jobs) {
+    job->write_back(x);
+    most = std::max(most, job->steps());
   }
   steps_ += most;
-  if (monitor && monitor({.phase = Phase::Untangle, .iteration = steps_}) == Verdict::Stop)
-    return fail(ErrorCode::Cancelled, "stopped by the caller");
   return {};
 }
 
@@ -69,35 +139,20 @@ std::vector<Index> PatchWork::compressed(In<Vec2> x) const {
 }
 
 Result<void> PatchWork::untangle(const MapDensity& density, const Monitor& monitor, Out<Vec2> x) {
-  constexpr int kMostSteps = 25, kMostDescent = 10;
+  constexpr int kMostDescent = 10;
   constexpr double kNear = 1e-2;
   std::vector<Index> seeds = faults(x);
   const std::vector<Index> around = compressed(x);
   seeds.insert(seeds.end(), around.begin(), around.end());
-  const std::vector<Patch> patches = grow_patches(mesh_, seeds, kRings, movable_, rank_);
-  return in_patches(patches, monitor, x, [&](NewtonMap& map, int& steps) -> Result<bool> {
-    auto positive = planish::untangle(map, kMostSteps, steps, [] { return Result<void>(); });
-    if (!positive || !*positive) return positive;
-    if (!map.measure().is_injective(map.uv())) return false;
-    map.lower(density);
-    auto descent = descend(map, kNear, kMostDescent, [](double) { return Result<void>(); });
-    if (!descent) return fail(descent.error());
-    steps += descent->steps;
-    return true;
-  });
+  return run(grow_patches(mesh_, seeds, kRings, movable_, rank_), true, density, kNear, kMostDescent, monitor,
+             x);
 }
 
 Result<void> PatchWork::relax(const MapDensity& density, double tolerance, const Monitor& monitor,
                               Out<Vec2> x) {
   constexpr int kMostDescent = 200;
-  const std::vector<Patch> patches = grow_patches(mesh_, compressed(x), kRings, movable_, rank_);
-  return in_patches(patches, monitor, x, [&](NewtonMap& map, int& steps) -> Result<bool> {
-    map.lower(density);
-    auto descent = descend(map, tolerance, kMostDescent, [](double) { return Result<void>(); });
-    if (!descent) return fail(descent.error());
-    steps = descent->steps;
-    return true;
-  });
+  return run(grow_patches(mesh_, compressed(x), kRings, movable_, rank_), false, density, tolerance,
+             kMostDescent, monitor, x);
 }
 
 }  // namespace planish

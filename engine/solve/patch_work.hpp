@@ -22,8 +22,8 @@ class PatchWork {
   Index steps_done() const { return steps_; }  ///< Newton steps of the slowest patches, added up
 
  private:
-  template <class Work>
-  Result<void> in_patches(const std::vector<Patch>& patches, const Monitor& monitor, Out<Vec2> x, Work work);
+  Result<void> run(const std::vector<Patch>& patches, bool untangle, const MapDensity& density,
+                   double tolerance, int most_steps, const Monitor& monitor, Out<Vec2> x);
   std::vector<Index> faults(In<Vec2> x) const;
   std::vector<Index> compressed(In<Vec2> x) const;
 

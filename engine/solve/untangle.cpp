@@ -26,35 +26,37 @@ double next_epsilon(double epsilon, double least_determinant, double before, dou
 
 }  // namespace
 
-Result<bool> untangle(NewtonMap& map, int most_steps, int& steps,
-                      const std::function<Result<void>()>& keep_on) {
-  double least = map.measure().least_determinant(map.uv());
-  MapDensity density{.kind = MapDensity::Kind::Untangling, .epsilon = first_epsilon(least)};
-  for (;; ++steps) {
-    const bool positive = least > 0 && map.is_positive();
-    if (positive && least > kClearlyPositive) return true;
-    if (steps >= most_steps) return positive;
-    if (auto go_on = keep_on(); !go_on) return fail(go_on.error());
-    map.lower(density);
-    const double before = map.energy();
-    if (auto prepared = map.prepare(); !prepared) return fail(prepared.error());
-    const bool moved = map.advance();
-    least = map.measure().least_determinant(map.uv());
-    if (positive && (!moved || before - map.energy() < kSettled * before)) return true;
-    if (!moved && density.epsilon == kLeastEpsilon) return positive;
-    density.epsilon = next_epsilon(density.epsilon, least, before, map.energy());
-  }
+Untangling::Untangling(NewtonMap& map, int most_steps) : map_(map), most_steps_(most_steps) {
+  look();
+  density_ = {.kind = MapDensity::Kind::Untangling, .epsilon = first_epsilon(least_)};
 }
 
-Result<Descent> descend(NewtonMap& map, double tolerance, int most_steps,
-                        const std::function<Result<void>(double gradient)>& watch) {
-  for (Descent descent;; ++descent.steps) {
-    if (auto prepared = map.prepare(); !prepared) return fail(prepared.error());
-    descent.gradient = map.gradient();
-    if (auto seen = watch(descent.gradient); !seen) return fail(seen.error());
-    descent.converged = descent.gradient <= tolerance;
-    if (descent.converged || descent.steps >= most_steps || !map.advance()) return descent;
-  }
+void Untangling::look() {
+  least_ = map_.measure().least_determinant(map_.uv());
+  positive_ = least_ > 0 && map_.is_positive();
+  done_ = (positive_ && least_ > kClearlyPositive) || steps_ >= most_steps_;
+}
+
+Result<void> Untangling::step() {
+  map_.lower(density_);
+  const double before = map_.energy();
+  const bool was_positive = positive_;
+  if (auto prepared = map_.prepare(); !prepared) return prepared;
+  const bool moved = map_.advance();
+  ++steps_;
+  look();
+  const bool settled = was_positive && positive_ && (!moved || before - map_.energy() < kSettled * before);
+  done_ = done_ || settled || (!moved && density_.epsilon == kLeastEpsilon);
+  density_.epsilon = next_epsilon(density_.epsilon, least_, before, map_.energy());
+  return {};
+}
+
+Result<void> Descent::step() {
+  if (auto prepared = map_.prepare(); !prepared) return prepared;
+  converged_ = map_.gradient() <= tolerance_;
+  done_ = converged_ || steps_ >= most_steps_ || !map_.advance();
+  steps_ += !done_;
+  return {};
 }
 
 }  // namespace planish
