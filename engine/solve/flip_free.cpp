@@ -114,8 +114,12 @@ class FlipRemover {
   /// Keeps the result where it has fewer faults.
   Result<void> from(std::vector<Vec2> uv) {
     constexpr int kMostSteps = 100;
-    if (auto done = patches_.untangle(density_of(options_), monitor_, uv); !done) return done;
-    if (faults(uv) > 0) {
+    std::vector<Vec2> mended = uv;
+    if (auto done = patches_.untangle(density_of(options_), monitor_, mended); !done) return done;
+    if (faults(mended) == 0) {
+      uv = std::move(mended);
+    } else {
+      // From where it was: flips that patches were left with stand between others that are stiff now.
       NewtonMap map = whole_map(exec_, problem_, unknowns_at(problem_, std::move(uv)));
       Untangling untangling(map, kMostSteps);
       while (!untangling.is_done()) {
@@ -124,6 +128,7 @@ class FlipRemover {
         if (auto stepped = said.and_then([&] { return untangling.step(); }); !stepped) return stepped;
       }
       uv.assign(map.uv().begin(), map.uv().end());
+      if (faults(mended) < faults(uv)) uv = std::move(mended);
     }
     const Offset left = faults(uv);
     if (left >= least_faults_) return {};
