@@ -30,12 +30,14 @@ struct Box {
 struct Image {
   std::array<Vec2, 3> point;
   std::array<Index, 3> vertex;
+  Index triangle = kNone;
   Box box;
   bool has_area = false;
 };
 
 Image image_of(Index t, In<Index> corner_vertex, In<Vec2> uv) {
   Image image;
+  image.triangle = t;
   for (int i = 0; i < 3; ++i) {
     image.vertex[i] = corner_vertex[3 * t + i];
     image.point[i] = uv[image.vertex[i]];
@@ -91,6 +93,20 @@ double common_area(const Image& a, const Image& b) {
   double twice = 0;
   for (std::size_t i = 2; i < n; ++i) twice += cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
   return 0.5 * twice;
+}
+
+/// Keeps the first pairs when there are more; sorted then.
+void keep_first(std::vector<std::array<Index, 2>>& pairs, std::size_t from) {
+  if (pairs.size() < from) return;
+  std::sort(pairs.begin(), pairs.end());
+  pairs.resize(std::min(pairs.size(), kMaxListedIds));
+}
+
+void add_pair(const Image& a, const Image& b, Overlaps& sum) {
+  ++sum.pairs;
+  sum.common_area += common_area(a, b);
+  sum.first.push_back({std::min(a.triangle, b.triangle), std::max(a.triangle, b.triangle)});
+  keep_first(sum.first, 4 * kMaxListedIds);
 }
 
 std::uint64_t spread_bits(std::uint64_t x) {  // 16 bits to every second place
@@ -197,9 +213,7 @@ Overlaps find_overlaps(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
   exec.for_blocks(hierarchy.num_leaves(), kLeavesPerBlock, [&](Index block, Range r) {
     Overlaps& sum = part[block];
     const auto compare = [&](const Image& a, const Image& b) {
-      if (!a.box.meets(b.box) || share_vertex(a, b) || !share_interior(a, b)) return;
-      ++sum.pairs;
-      sum.common_area += common_area(a, b);
+      if (a.box.meets(b.box) && !share_vertex(a, b) && share_interior(a, b)) add_pair(a, b, sum);
     };
     for (Index leaf = r.begin; leaf < r.end; ++leaf) {
       const In<Image> mine = hierarchy.leaf_images(leaf);
@@ -216,8 +230,12 @@ Overlaps find_overlaps(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
   });
   Overlaps all;
   for (const Overlaps& p : part) {
-    all = {all.pairs + p.pairs, all.common_area + p.common_area, all.map_area + p.map_area};
+    all.pairs += p.pairs;
+    all.common_area += p.common_area;
+    all.map_area += p.map_area;
+    all.first.insert(all.first.end(), p.first.begin(), p.first.end());
   }
+  keep_first(all.first, 0);
   return all;
 }
 

@@ -109,3 +109,15 @@ TEST_CASE("overlaps: a strip wound twice around covers twice") {
   const Overlaps o = overlaps_of(ring, dropped(ring));
   CHECK(o.common_area / o.map_area == Approx(0.5).epsilon(0.05));
 }
+
+TEST_CASE("overlaps: pairs are listed in ascending order, the first of many") {
+  const Mesh one = shapes::triangle({0, 0, 0}, {2, 0, 0}, {0, 1, 0});
+  Mesh pile = one;
+  for (Index copies = 1; copies < 40; ++copies) pile = shapes::joined(pile, one);
+  const Overlaps o = overlaps_of(pile, dropped(pile));
+  CHECK(o.pairs == 40 * 39 / 2);
+  REQUIRE(o.first.size() == kMaxListedIds);
+  for (Index k = 0; k < 39; ++k) CHECK(o.first[k] == std::array<Index, 2>{0, k + 1});
+  CHECK(o.first[39] == std::array<Index, 2>{1, 2});
+  CHECK(o.first[63] == std::array<Index, 2>{1, 26});
+}
