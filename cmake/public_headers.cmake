@@ -14,6 +14,7 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   engine/model/options.hpp
   engine/model/price.hpp
   engine/model/flattening.hpp
+  engine/model/verification.hpp
   engine/prepare/validate.hpp
   engine/prepare/repair.hpp
   engine/sample/panels.hpp
@@ -23,6 +24,7 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   engine/features/parted.hpp
   engine/flatten.hpp
   engine/price.hpp
+  engine/verify.hpp
   io/carry_over.hpp
   io/constraints_json.hpp
   io/feature_picture.hpp

@@ -37,6 +37,11 @@ constexpr std::array kCodes = {
               "use --cut auto, or name a seam that opens it"},
     CodeEntry{ErrorCode::HasHandles, "has-handles", 4, "use --cut auto, or name seams that open each handle"},
     CodeEntry{ErrorCode::TooLarge, "too-large", 4, "split the mesh"},
+    CodeEntry{ErrorCode::NoParameterization, "no-parameterization", 4,
+              "give a file that flatten wrote, or another one with uv: vt, s t, u v, texture_u texture_v, "
+              "texcoord"},
+    CodeEntry{ErrorCode::ReportOfOtherMesh, "report-of-other-mesh", 3,
+              "give the report that was written together with this mesh"},
     CodeEntry{ErrorCode::FeatureTooFar, "feature-too-far", 5,
               "move the point to the surface, or raise max_distance"},
     CodeEntry{ErrorCode::FeatureLeavesSurface, "feature-leaves-surface", 5,

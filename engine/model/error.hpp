@@ -31,6 +31,8 @@ enum class ErrorCode {
   ClosedComponent,          ///< a component without boundary
   HasHandles,               ///< a component of genus above 0
   TooLarge,                 ///< more than 2^31 half-edges
+  NoParameterization,       ///< a mesh without uv where its map is asked for
+  ReportOfOtherMesh,        ///< a report whose counts are not those of the mesh
   FeatureTooFar,            ///< a point of a polyline is farther from the surface than its max_distance
   FeatureLeavesSurface,     ///< a polyline crosses a boundary, or goes on where there is no surface
   FeatureBroken,            ///< a feature that is no chain: too few points, repeated ones, a gap
