@@ -118,13 +118,6 @@ Verification verified(const Exec& exec, const Surface& surface, In<Vec2> corner_
 
 }  // namespace
 
-bool Verification::holds() const {
-  const bool injective = certificate.flipped_triangles == 0 && certificate.overwound_vertices == 0 &&
-                         certificate.overlapping_pairs == 0;
-  return injective && faults.empty() &&
-         std::ranges::all_of(constraints, [](const ConstraintFinding& c) { return c.faults.empty(); });
-}
-
 Result<Verification> verify(const Surface& surface, In<Vec2> corner_uv, const Statements& statements,
                             const VerifyOptions& options) try {
   if (statements.set != nullptr && statements.claims == nullptr)

@@ -205,6 +205,19 @@ std::string written(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+Json finding_json(const ConstraintFinding& finding) {
+  Json json = {{"name", finding.name}, {"type", finding.type}};
+  if (finding.side != 0) json["side"] = finding.side;
+  json["residual"] = finding.residual ? number(*finding.residual) : Json(nullptr);
+  json["allowed"] = finding.allowed;
+  json["unit"] = finding.degrees ? "degrees" : "size";
+  if (!finding.unmeasured.empty()) json["unmeasured"] = finding.unmeasured;
+  json["faults"] = finding.faults;
+  return json;
+}
+
+Json path_or_null(const std::string& path) { return path.empty() ? Json(nullptr) : Json(path); }
+
 }  // namespace
 
 std::string report_json(const Flattening& flattening, const ReportContext& context,
@@ -266,6 +279,29 @@ std::string diagnosis_json(const Diagnosis& diagnosis, const std::string& input,
   json["usable"] = d.usable();
   json["repairs"] = repairs(mendings);
   json["warnings"] = warnings;
+  return written(json);
+}
+
+std::string verification_json(const Verification& verification, const VerificationContext& context) {
+  const Verification& v = verification;
+  Json json;
+  json["version"] = 1;
+  json["planish"] = PLANISH_VERSION;
+  json["mesh"] = context.mesh;
+  json["report"] = path_or_null(context.report);
+  json["constraint_file"] = path_or_null(context.constraints);
+  json["uv_set"] = context.uv_set;
+  json["other_uv_sets"] = context.other_sets;
+  json["holds"] = v.holds();
+  json["triangles"] = v.triangles;
+  json["charts"] = v.charts;
+  json["torn_edges"] = v.torn_edges;
+  add_certificate(json, v.certificate);
+  json["overlapping_ids"] = v.overlapping;
+  json["constraints"] = Json::array();
+  for (const ConstraintFinding& finding : v.constraints) json["constraints"].push_back(finding_json(finding));
+  json["faults"] = v.faults;
+  json["warnings"] = context.warnings;
   return written(json);
 }
 

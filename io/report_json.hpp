@@ -1,4 +1,4 @@
-// The reports (DESIGN 4.3), the answer of `info --json` and errors, as JSON text: docs/*.schema.json describe
+// The reports (DESIGN 4.3), the answers of `info --json` and `verify --json`, and errors, as JSON text: docs/*.schema.json describe
 // all but the last. Numbers read back bit for bit; infinite and undefined ones are null.
 #pragma once
 
@@ -8,6 +8,7 @@
 #include "engine/model/embedding.hpp"
 #include "engine/model/flattening.hpp"
 #include "engine/model/price.hpp"
+#include "engine/model/verification.hpp"
 #include "engine/prepare/repair.hpp"
 #include "engine/prepare/validate.hpp"
 
@@ -47,6 +48,16 @@ std::string embed_report_json(const Embedding& embedding, const ReportContext& c
 
 std::string diagnosis_json(const Diagnosis& diagnosis, const std::string& input,
                            const std::vector<Mending>& mendings, const std::vector<std::string>& warnings);
+
+/// Beside the result itself, what the program knows of a verification; "" where a file was not given.
+struct VerificationContext {
+  std::string mesh, report, constraints;
+  std::string uv_set;                        ///< spelling of the parameterization in the file
+  std::vector<std::string> other_sets = {};  ///< spellings that were not looked at
+  std::vector<std::string> warnings = {};    ///< the reader's
+};
+
+std::string verification_json(const Verification& verification, const VerificationContext& context);
 
 /// {"error": {...}}; parts of the place that are not known are null.
 std::string error_json(const Error& error);

@@ -1,6 +1,7 @@
 // What a report claims about a written map, and what was found in the map itself.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -43,5 +44,12 @@ struct Verification {
   /// Nothing flipped, overwound or overlapping, every constraint met, nothing misreported.
   bool holds() const;
 };
+
+inline bool Verification::holds() const {
+  const bool injective = certificate.flipped_triangles == 0 && certificate.overwound_vertices == 0 &&
+                         certificate.overlapping_pairs == 0;
+  return injective && faults.empty() &&
+         std::ranges::all_of(constraints, [](const ConstraintFinding& c) { return c.faults.empty(); });
+}
 
 }  // namespace planish

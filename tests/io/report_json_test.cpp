@@ -284,6 +284,46 @@ TEST_CASE("report_json: paths that are not UTF-8 still give valid JSON") {
   CHECK(json::parse(report_json(example(), c))["input"] == "t\xEF\xBF\xBDr.obj");
 }
 
+Verification verification() {
+  Verification v;
+  v.triangles = 9;
+  v.charts = 2;
+  v.torn_edges = 4;
+  v.certificate = example().certificate;
+  v.overlapping = {{0, 3}, {1, 2}};
+  v.constraints = {
+      {.name = "sill", .type = "line", .side = 2, .residual = 1e-16 / 3, .allowed = 1e-9, .faults = {"off"}},
+      {.name = "pin 3", .type = "pin", .allowed = 1e-9, .unmeasured = "no file"},
+      {.name = "a", .type = "angle", .degrees = true, .residual = 0.5, .allowed = 1e-7}};
+  v.faults = {"the report lies"};
+  return v;
+}
+
+TEST_CASE("verification_json: the answer has the fields of its schema and no others") {
+  const json s = schema("verify.schema.json"),
+             r = json::parse(verification_json(verification(), {.mesh = "o.ply",
+                                                                .report = "r.json",
+                                                                .constraints = "",
+                                                                .uv_set = "st",
+                                                                .other_sets = {"uv"}}));
+  check_keys(s, r);
+  for (const char* part : {"energy", "stretch"}) check_keys(s["properties"][part], r[part]);
+  check_keys(s["$defs"]["spread"], r["stretch"]["sigma_max"]);
+  const json& item = s["properties"]["constraints"]["items"];
+  for (const json& entry : r["constraints"]) {
+    for (const std::string& name : required(item)) CHECK_MESSAGE(entry.contains(name), name);
+    for (const std::string& name : keys(entry)) CHECK_MESSAGE(item["properties"].contains(name), name);
+  }
+  CHECK(r["holds"] == false);
+  CHECK(r["constraint_file"].is_null());
+  CHECK(r["energy"]["symmetric_dirichlet"].is_null());
+  CHECK(r["overlapping_ids"] == json({{0, 3}, {1, 2}}));
+  CHECK(r["constraints"][0]["residual"] == 1e-16 / 3);
+  CHECK(r["constraints"][1]["residual"].is_null());
+  CHECK(r["constraints"][1]["unmeasured"] == "no file");
+  CHECK(r["constraints"][2]["unit"] == "degrees");
+}
+
 TEST_CASE("diagnosis_json: the answer has the fields of its schema and no others") {
   const json s = schema("diagnosis.schema.json"),
              d = json::parse(diagnosis_json(diagnosis(), "x.ply", {{"turned triangles", 2, {3, 4}}}, {"w"}));
