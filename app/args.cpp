@@ -11,7 +11,7 @@ constexpr const char* kDescription =
     "planish flattens triangle meshes into the plane as rigidly as possible.\n"
     "Exit codes: 0 done; 1 a defect of planish; 2 usage; 3 input cannot be read; 4 the mesh cannot be used;\n"
     "5 the constraints or their features cannot be used; 6 solved, but flips remain or the tolerance was not "
-    "met; 7 cannot write; 130 stopped.";
+    "met, or what was to be verified does not hold; 7 cannot write; 130 stopped.";
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -116,6 +116,16 @@ void add_embed(CLI::App& app, EmbedArgs& args) {
                "mend orientation, duplicates, degenerate triangles, split vertices first");
 }
 
+void add_verify(CLI::App& app, VerifyArgs& args) {
+  app.add_option("mesh", args.mesh, "mesh with its parameterization: .ply .obj, also with .gz")->required();
+  app.add_option("-c,--constraints", args.constraints,
+                 "constraint file, JSON: what it asks for must be what the report answers");
+  app.add_option(
+      "--report", args.report,
+      "report of flatten that was written with the mesh: residuals are recomputed, its numbers compared");
+  app.add_flag("--json", args.json, "the whole result as JSON");
+}
+
 void add_info(CLI::App& app, InfoArgs& args) {
   app.add_option("mesh", args.mesh, "mesh: .obj .ply .stl .off, each also with .gz")->required();
   app.add_flag("--json", args.json, "as JSON, with the ids of every defect");
@@ -166,16 +176,20 @@ Result<Args> parse_args(int argc, const char* const* argv) {
   for (int i = 0; i < argc; ++i) args.common.command_line += (i > 0 ? " " : "") + std::string(argv[i]);
   FlattenArgs flatten;
   EmbedArgs embed;
+  VerifyArgs verify;
   InfoArgs info;
   SampleArgs sample;
   CLI::App* const flatten_app = app.add_subcommand("flatten", "flatten a mesh");
   CLI::App* const embed_app =
       app.add_subcommand("embed", "put features into the edges of a mesh, flatten nothing");
+  CLI::App* const verify_app =
+      app.add_subcommand("verify", "check a flattened mesh from its files alone, exactly");
   CLI::App* const info_app = app.add_subcommand("info", "say what a mesh is and what is wrong with it");
   CLI::App* const sample_app = app.add_subcommand("sample", "make a mesh that looks like a scanned panel");
-  CLI::App* const commands[] = {flatten_app, embed_app, info_app, sample_app};
+  CLI::App* const commands[] = {flatten_app, embed_app, verify_app, info_app, sample_app};
   add_flatten(*flatten_app, flatten);
   add_embed(*embed_app, embed);
+  add_verify(*verify_app, verify);
   add_info(*info_app, info);
   add_sample(*sample_app, sample);
   for (CLI::App* command : {flatten_app, embed_app}) {
@@ -208,10 +222,12 @@ Result<Args> parse_args(int argc, const char* const* argv) {
   for (const CLI::App* command : commands) chosen = command->parsed() ? command : chosen;
   if (app.remaining_size(true) > 0) return unknown_words(app, chosen);
   if (!chosen)
-    return fail(ErrorCode::BadUsage, "no command given: flatten, embed, info or sample; see planish --help");
+    return fail(ErrorCode::BadUsage,
+                "no command given: flatten, embed, verify, info or sample; see planish --help");
   flatten.options.threads = args.common.threads;
   if (chosen == flatten_app) args.command = flatten;
   if (chosen == embed_app) args.command = embed;
+  if (chosen == verify_app) args.command = verify;
   if (chosen == info_app) args.command = info;
   if (chosen == sample_app) args.command = sample;
   return args;

@@ -34,6 +34,11 @@ struct EmbedArgs {
   bool repair = false;
 };
 
+struct VerifyArgs {
+  std::string mesh, constraints, report;
+  bool json = false;
+};
+
 struct InfoArgs {
   std::string mesh;
   bool json = false;
@@ -52,7 +57,7 @@ struct TextArgs {
 
 struct Args {
   CommonArgs common;
-  std::variant<TextArgs, FlattenArgs, EmbedArgs, InfoArgs, SampleArgs> command;
+  std::variant<TextArgs, FlattenArgs, EmbedArgs, VerifyArgs, InfoArgs, SampleArgs> command;
 };
 
 /// Fails: BadUsage, with the nearest known name where a name is unknown.

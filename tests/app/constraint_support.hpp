@@ -151,6 +151,11 @@ inline Ran checked(const std::string& constraints, const std::string& output, co
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(scratch.file("said")), ""};
 }
 
+/// The program's own answer about what it wrote.
+inline Ran verified(const std::string& constraints, const std::string& output, const std::string& report) {
+  return run("verify " + output + " -c " + constraints + " --report " + report);
+}
+
 struct Solved {
   Ran ran;
   json report;
@@ -180,6 +185,9 @@ inline Solved solve(const Scratch& scratch, const std::string& mesh, const std::
   CHECK(solved.report.at("converged") == true);
   const Ran check = checked(scratch.file("c.json"), scratch.file("o.obj"), scratch.file("r.json"));
   CHECK_MESSAGE(check.code == 0, check.out);
+  const Ran own = verified(scratch.file("c.json"), scratch.file("o.obj"), scratch.file("r.json"));
+  CHECK_MESSAGE(own.code == (solved.report.at("overlapping_pairs") == 0 ? 0 : 6), (own.out + own.err));
+  CHECK_MESSAGE(!has(own.out, "wrong:"), own.out);
   return solved;
 }
 
@@ -202,6 +210,25 @@ inline std::vector<std::complex<double>> images(const std::string& path) {
       image[vertex - 1] = coordinate[place - 1];
   }
   return image;
+}
+
+/// What a schema of docs has against a file, "" where nothing; "absent" where there is no jsonschema to ask.
+inline std::string schema_fault(const std::string& schema, const std::string& file) {
+  const Scratch scratch;
+  write(scratch.file("validate.py"), R"(
+import json, sys
+try: import jsonschema
+except ImportError: sys.exit("absent")
+schema, answer = (json.load(open(path)) for path in sys.argv[1:])
+jsonschema.Draft202012Validator.check_schema(schema)
+faults = [f"{e.json_path}: {e.message}" for e in jsonschema.Draft202012Validator(schema).iter_errors(answer)]
+sys.exit("; ".join(faults)[:2000] if faults else 0)
+)");
+  const std::string command = "python3 -B " + scratch.file("validate.py") + " " PLANISH_DOCS "/" + schema +
+                              " " + file + " 2>" + scratch.file("said");
+  const bool valid = std::system(command.c_str()) == 0;
+  const std::string said = content_of(scratch.file("said"));
+  return valid ? "" : said.starts_with("absent") ? "absent" : "invalid: " + said;
 }
 
 inline bool absent(const std::string& folder) {
