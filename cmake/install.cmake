@@ -10,5 +10,5 @@ configure_package_config_file(cmake/planishConfig.cmake.in planishConfig.cmake
 write_basic_package_version_file(planishConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/planishConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/planishConfigVersion.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/planish)
-install(FILES docs/report.schema.json docs/diagnosis.schema.json
+install(FILES docs/report.schema.json docs/diagnosis.schema.json docs/verify.schema.json
         DESTINATION ${CMAKE_INSTALL_DATADIR}/planish)

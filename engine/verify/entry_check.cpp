@@ -24,6 +24,15 @@ std::vector<Vec2> picked(In<Vec2> points, In<std::size_t> places) {
 
 }  // namespace
 
+double worst_of(In<double> values) {
+  double worst = 0;
+  for (const double value : values) {
+    if (std::isnan(value)) return value;
+    worst = std::max(worst, value);
+  }
+  return worst;
+}
+
 double wrapped(double degrees, double period) {
   return degrees - period * std::floor(degrees / period + 0.5);
 }
@@ -94,15 +103,17 @@ bool EntryCheck::has_template(std::size_t points) {
 }
 
 double EntryCheck::largest(In<double> distance, In<std::size_t> kept, double size, std::size_t fewest) {
-  std::vector<std::uint8_t> holds(distance.size(), 0);
-  double far = 0, stray = 0;
-  for (const std::size_t k : kept) holds[k] = 1, far = std::max(far, distance[k]);
-  for (std::size_t k = 0; k < distance.size(); ++k) stray = std::max(stray, holds[k] ? 0 : distance[k]);
+  std::vector<double> held, strayed(distance.begin(), distance.end());
+  for (const std::size_t k : kept) {
+    held.push_back(distance[k]);
+    strayed[k] = 0;
+  }
+  const double stray = worst_of(strayed);
   // A vertex yields up to the agreement for each of the constraints that it is shared with.
   if (evidence_.set != nullptr && !(stray <= 10 * evidence_.set->agreement * size))
     fault(fmt::format("a vertex that it yielded lies {:.3g} away from its place, far beyond the agreement",
                       stray));
-  return kept.size() < fewest ? 0 : far / size;
+  return kept.size() < fewest ? 0 : worst_of(held) / size;
 }
 
 double EntryCheck::posed(In<Vec2> shape, In<Vec2> image, In<std::size_t> kept, double size) {
@@ -155,11 +166,12 @@ void EntryCheck::check_turn(const MeasuredChain& chain) {
 }
 
 void EntryCheck::check_template_lengths(const MeasuredChain& chain, bool shorter) {
-  double worst = 0;
+  std::vector<double> excesses;
   for (const MeasuredChain::Step& s : chain.step) {
     const double excess = norm(entry_.shape[s.to] - entry_.shape[s.from]) - s.length;
-    worst = std::max(worst, shorter ? excess : std::abs(excess));
+    excesses.push_back(shorter ? excess : std::abs(excess));
   }
+  const double worst = worst_of(excesses);
   if (!(worst <= kLengthAllowed * chain.length))
     fault(fmt::format("an edge of its template in the report is off by {:.3g} from its length in space",
                       worst));

@@ -71,6 +71,9 @@ class EntryCheck {
   std::optional<double> factor_;
 };
 
+/// The largest, or not a number where one of them is none: such a residual is not met.
+double worst_of(In<double> values);
+
 /// In [-period / 2, period / 2).
 double wrapped(double degrees, double period);
 

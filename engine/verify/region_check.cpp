@@ -121,8 +121,8 @@ void check_template(EntryCheck& check, const Layout& layout) {
 std::optional<double> check_region(EntryCheck& check) {
   const Feature* feature = check.feature(check.asked().features.front());
   if (feature == nullptr) return std::nullopt;
-  if (!feature->is_region()) {
-    check.fault("its feature is a chain, no region");
+  if (feature->triangle.empty()) {
+    check.fault("its feature has no triangles");
     return std::nullopt;
   }
   const auto layout = Layout::of(check, *feature);

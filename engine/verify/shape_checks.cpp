@@ -135,10 +135,10 @@ std::optional<double> check_line(EntryCheck& check) {
   if (!check.has_template(chain->vertex.size())) return straightness;
   check.check_template_lengths(*chain);
   const double off = check.posed(check.entry().shape, chain->image, chain->kept, chain->length);
-  if (chain->kept_length == 0) return std::max(straightness, off);
+  if (chain->kept_length == 0) return worst_of(std::array{straightness, off});
   const double factor = check.asked().scale.value_or(chain->factor());
   check.check_scale(chain->factor(), chain->reach());
-  return std::max({straightness, off, chain->edge_error(factor)});
+  return worst_of(std::array{straightness, off, chain->edge_error(factor)});
 }
 
 std::optional<double> check_circle(EntryCheck& check) {
@@ -157,9 +157,9 @@ std::optional<double> check_circle(EntryCheck& check) {
   check.check_template_lengths(*chain);
   check_sweep(check, *chain);
   const double off = check.posed(check.entry().shape, chain->image, chain->kept, chain->length);
-  if (chain->kept_length == 0) return std::max(roundness, off);
+  if (chain->kept_length == 0) return worst_of(std::array{roundness, off});
   check.check_scale(chain->factor(), chain->reach());
-  return std::max({roundness, off, chain->edge_error(chain->factor())});
+  return worst_of(std::array{roundness, off, chain->edge_error(chain->factor())});
 }
 
 std::optional<double> check_curve(EntryCheck& check) {

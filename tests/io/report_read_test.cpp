@@ -153,6 +153,9 @@ TEST_CASE("report_read: of a cut mesh the report counts copies, so it may have m
   const CutFacts cut = {.cut_edges = 4, .cut_length = 1, .charts = 2};
   CHECK(must_parse(report_json(f, {}, {.cut = &cut})).cut_edges == 4);
   CHECK(parse_report(report_json(f, {}), "r.json", kMesh).error().code == ErrorCode::ReportOfOtherMesh);
+  f.mesh.vertices = 11;
+  CHECK(parse_report(report_json(f, {}, {.cut = &cut}), "r.json", kMesh).error().code ==
+        ErrorCode::ReportOfOtherMesh);
 }
 
 TEST_CASE("report_read: a report of another mesh, version or command is refused with the place") {
