@@ -1,0 +1,224 @@
+#include "engine/solve/untangle.hpp"
+
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "engine/solve/patch_work.hpp"
+#include "engine/solve/patches.hpp"
+#include "engine/solve/tutte.hpp"
+#include "engine/workpiece.hpp"
+#include "tests/support/shapes.hpp"
+
+using namespace planish;
+
+namespace {
+
+/// A grid in the plane, its interior moved as told.
+struct Grid {
+  Exec exec{1};
+  Mesh mesh;
+  Workpiece piece;
+  NodeMap nodes;
+  std::unique_ptr<DofMap> dof;
+  std::vector<std::uint8_t> rim;
+  std::vector<Vec2> flat;  // without distortion
+
+  explicit Grid(Index side) : Grid(shapes::height_field(side + 1, shapes::flat, 0)) {}
+  explicit Grid(Mesh given) : mesh(std::move(given)) {
+    piece = *make_workpiece(exec, mesh.surface());
+    piece.outer_loop = {0};
+    piece.find_loops();
+    nodes = find_nodes(piece.component, 1);
+    dof = std::make_unique<DofMap>(nodes);
+    piece.order = *fill_reducing_order(piece.laplacian_over(exec, nodes));
+    for (Index v = 0; v < piece.mesh().num_vertices(); ++v) {
+      rim.push_back(piece.topology().is_boundary(v));
+      const Vec3 p = piece.mesh().position[v];
+      flat.push_back({p.x, p.y});
+    }
+  }
+
+  /// The rim held.
+  ArapEnergy energy() const {
+    return {.corner_vertex = piece.mesh().corner_vertex,
+            .stars = piece.topology().stars(),
+            .star_corner = piece.topology().star_corner,
+            .frame = piece.geometry.frame,
+            .cotangent = piece.geometry.cotangent,
+            .fixed = rim,
+            .area = piece.geometry.area};
+  }
+  ReducedUnknowns inner() const {
+    ReducedUnknowns unknowns;
+    unknowns.pair.assign(rim.size(), kNone);
+    for (const Index v : piece.order) {
+      if (rim[v]) continue;
+      unknowns.pair[v] = unknowns.num_pairs();
+      unknowns.vertex.push_back(v);
+    }
+    unknowns.size = 2 * unknowns.num_pairs();
+    return unknowns;
+  }
+  std::vector<Vec2> scattered(unsigned seed) const {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> place(-0.5, 0.5);
+    std::vector<Vec2> x = flat;
+    for (std::size_t v = 0; v < x.size(); ++v) {
+      if (!rim[v]) x[v] = {place(random), place(random)};
+    }
+    return x;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("untangling: a square whose inner vertices are anywhere is laid out without flips") {
+  const Grid grid(12);
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const ArapEnergy energy = grid.energy();
+    NewtonMap map(grid.exec, energy, grid.inner(), nullptr, grid.scattered(seed));
+    REQUIRE(map.measure().flipped(map.uv()).size() > 50);
+    Untangling untangling(map, 200);
+    while (!untangling.is_done()) REQUIRE(untangling.step());
+    CHECK(untangling.is_positive());
+    CHECK(map.measure().is_injective(map.uv()));
+    // And down to the isometry that the rim allows.
+    map.lower({.kind = MapDensity::Kind::SymmetricDirichlet});
+    Descent descent(map, 1e-9, 100);
+    double energy_before = map.energy();
+    while (!descent.is_done()) {
+      REQUIRE(descent.step());
+      CHECK(map.energy() <= energy_before * (1 + 1e-12));
+      CHECK(map.measure().is_injective(map.uv()));
+      energy_before = map.energy();
+    }
+    CHECK(descent.has_converged());
+    for (std::size_t v = 0; v < grid.flat.size(); ++v) CHECK(norm(map.uv()[v] - grid.flat[v]) < 1e-6);
+  }
+}
+
+TEST_CASE("map energy: forces are half the central differences of the energy") {
+  const Grid grid(4);
+  const ArapEnergy mesh = grid.energy();
+  MapEnergy energy(grid.exec, mesh);
+  std::vector<Vec2> x = grid.flat, force(x.size()), other(x.size());
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> change(-0.02, 0.02);
+  for (Vec2& z : x) z += Vec2{change(random), change(random)};
+  for (const auto kind :
+       {MapDensity::Kind::Arap, MapDensity::Kind::SymmetricDirichlet, MapDensity::Kind::Untangling}) {
+    const MapDensity density{.kind = kind, .epsilon = 0.1};
+    energy.evaluate(density, x, force);
+    for (std::size_t v = 0; v < x.size(); ++v) {
+      if (grid.rim[v]) {
+        CHECK(force[v] == Vec2{});
+        continue;
+      }
+      constexpr double kStep = 1e-6;
+      std::vector<Vec2> before = x, after = x;
+      before[v].x -= kStep, after[v].x += kStep;
+      const double slope =
+          (energy.evaluate(density, after, other) - energy.evaluate(density, before, other)) / (2 * kStep);
+      CHECK(std::abs(2 * force[v].x - slope) < 1e-6 * (1 + std::abs(slope)));
+    }
+  }
+}
+
+TEST_CASE("map energy: every triangle of a mirrored map is flipped") {
+  const Grid grid(6);
+  const ArapEnergy mesh = grid.energy();
+  const MapEnergy energy(grid.exec, mesh);
+  CHECK(energy.is_injective(grid.flat));
+  std::vector<Vec2> mirrored = grid.flat;
+  for (Vec2& z : mirrored) z.x = -z.x;
+  CHECK(static_cast<Index>(energy.flipped(mirrored).size()) == mesh.num_triangles());
+  CHECK(overwound_vertices(grid.exec, mesh, grid.flat).empty());
+}
+
+TEST_CASE("map energy: a fan that winds twice is overwound though every triangle is positive") {
+  constexpr Index kSpokes = 12;
+  Mesh fan;
+  fan.position.push_back({0, 0, 0});
+  for (Index k = 0; k < kSpokes; ++k) {
+    const Vec2 z = unit(2 * kPi * k / kSpokes);
+    fan.position.push_back({z.x, z.y, 0});
+    fan.corner_vertex.insert(fan.corner_vertex.end(), {0, k + 1, (k + 1) % kSpokes + 1});
+  }
+  const Grid wheel(fan);
+  const ArapEnergy mesh = wheel.energy();
+  const MapEnergy energy(wheel.exec, mesh);
+  CHECK(energy.is_injective(wheel.flat));
+  const Index hub = wheel.inner().vertex.front();
+  std::vector<Vec2> wound = wheel.flat;
+  for (std::size_t v = 0; v < wound.size(); ++v) {
+    const Vec2 spoke = wheel.flat[v] - wheel.flat[hub];
+    wound[v] = multiply(spoke, spoke);
+  }
+  CHECK(energy.flipped(wound).empty());
+  CHECK(overwound_vertices(wheel.exec, mesh, wound) == std::vector<Index>{hub});
+  CHECK(!energy.is_injective(wound));
+}
+
+TEST_CASE("patches: they do not touch, hold their rims, and have the energy of their triangles") {
+  const Grid grid(30);
+  const ArapEnergy mesh = grid.energy();
+  std::vector<std::uint8_t> movable(grid.rim.size());
+  std::vector<Index> rank(grid.rim.size());
+  for (std::size_t v = 0; v < movable.size(); ++v) movable[v] = !grid.rim[v];
+  for (std::size_t k = 0; k < rank.size(); ++k) rank[grid.piece.order[k]] = static_cast<Index>(k);
+  const std::vector<Index> seeds = {0, mesh.num_triangles() / 2, mesh.num_triangles() - 1};
+  const std::vector<Patch> patches = grow_patches(mesh, seeds, 2, movable, rank);
+  CHECK(patches.size() >= 2);
+  std::vector<Index> patch_of(grid.rim.size(), kNone);
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    for (Index i = 0; i < patches[k].num_free; ++i) {
+      const Index v = patches[k].vertex[i];
+      CHECK(!grid.rim[v]);
+      CHECK(patch_of[v] == kNone);
+      patch_of[v] = static_cast<Index>(k);
+    }
+  }
+  for (Index t = 0; t < mesh.num_triangles(); ++t) {
+    Index here = kNone;
+    for (Index c = 3 * t; c < 3 * t + 3; ++c) {
+      const Index p = patch_of[mesh.corner_vertex[c]];
+      if (p == kNone) continue;
+      CHECK((here == kNone || here == p));
+      here = p;
+    }
+  }
+  const PatchMesh local(mesh, patches[0]);
+  std::vector<Vec2> x = grid.flat, here;
+  for (Vec2& z : x) z = {z.x + 0.1 * z.y * z.y, 1.1 * z.y};
+  for (const Index v : patches[0].vertex) here.push_back(x[v]);
+  MapEnergy whole(grid.exec, mesh), part(grid.exec, local.energy());
+  std::vector<Vec2> force(x.size()), local_force(here.size());
+  const MapDensity density{.kind = MapDensity::Kind::SymmetricDirichlet};
+  whole.evaluate(density, x, force);
+  part.evaluate(density, here, local_force);
+  for (Index i = 0; i < patches[0].num_free; ++i)
+    CHECK(norm(local_force[i] - force[patches[0].vertex[i]]) < 1e-12);
+}
+
+TEST_CASE("tutte: a crumpled surface has a map without flips") {
+  Grid grid(15);
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  Mesh crumpled = grid.mesh;
+  for (Vec3& p : crumpled.position) p = {normal(random), normal(random), normal(random)};
+  Workpiece piece = *make_workpiece(grid.exec, crumpled.surface());
+  piece.outer_loop = {0};
+  piece.order = grid.piece.order;
+  const auto uv = tutte_map(grid.exec, piece.start_input());
+  REQUIRE(uv.has_value());
+  const NodeMap nodes = find_nodes(piece.component, 1);
+  const ArapEnergy mesh{.corner_vertex = piece.mesh().corner_vertex,
+                        .stars = piece.topology().stars(),
+                        .star_corner = piece.topology().star_corner,
+                        .frame = piece.geometry.frame,
+                        .cotangent = piece.geometry.cotangent,
+                        .fixed = nodes.fixed,
+                        .area = piece.geometry.area};
+  CHECK(MapEnergy(grid.exec, mesh).is_injective(*uv));
+}
