@@ -272,7 +272,8 @@ TEST_CASE("report_json: facts stand under their names") {
   CHECK(r["mesh"]["outer"] == json::array({0, 2}));
   CHECK(r["mesh"]["mollified_triangles"] == 4);
   CHECK(r["stretch"]["angle_distortion"]["mean"] == 2.2 + 0.5);
-  CHECK(r["history"][1] == json({{"iteration", 1}, {"energy", 0.25}, {"gradient", 1e-3}, {"phase", "local_global"}}));
+  CHECK(r["history"][1] ==
+        json({{"iteration", 1}, {"energy", 0.25}, {"gradient", 1e-3}, {"phase", "local_global"}}));
   CHECK(r["timings_s"] == json({{"check", 0.125}, {"write", 0.75}, {"read", 0.5}}));  // both writes
   CHECK(r["repairs"][0] == json({{"what", "turned triangles"}, {"count", 47}, {"ids", {1, 2}}}));
   CHECK(r["warnings"] == json::array({"a warning"}));

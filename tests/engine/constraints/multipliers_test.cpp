@@ -191,8 +191,9 @@ void agrees(const CaseSeeds& seeds) {
   const ConstrainedCase c = feasible_case(seeds);
   if (c.set.constraints.empty()) return;
   RC_LOG() << c << std::endl;
-  const auto flat = flatten(c.mesh.surface(), c.constraints(),
-                            {.flips = Flips::Keep, .max_iterations = 0, .keep_directions = true, .threads = 1});
+  const auto flat =
+      flatten(c.mesh.surface(), c.constraints(),
+              {.flips = Flips::Keep, .max_iterations = 0, .keep_directions = true, .threads = 1});
   if (!flat) RC_LOG() << describe(flat.error()) << std::endl;
   RC_ASSERT(flat.has_value());
   const FirstStep first(c, flat->constraints.outcome);
