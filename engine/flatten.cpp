@@ -373,6 +373,12 @@ Result<void> check_options(const FlattenOptions& options) {
   if (!(options.tolerance > 0)) return fail(ErrorCode::BadUsage, "tolerance must be above 0");
   if (options.max_iterations < 0) return fail(ErrorCode::BadUsage, "max_iterations must not be negative");
   if (options.threads < 0) return fail(ErrorCode::BadUsage, "threads must not be negative");
+  if (options.energy == Energy::SymmetricDirichlet && (options.paper || options.flips != Flips::Untangle))
+    return fail(
+        ErrorCode::BadUsage,
+        "symmetric-dirichlet is infinite where triangles are flipped: it needs flips to be untangled");
+  if (options.paper && (options.flips == Flips::Keep || options.flips == Flips::Stiffening))
+    return fail(ErrorCode::BadUsage, "the paper's variant has its own procedure against flips, weights");
   return {};
 }
 

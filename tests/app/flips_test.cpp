@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <vector>
 #include <nlohmann/json.hpp>
 
@@ -127,8 +128,13 @@ TEST_CASE("flips: the published procedures run, and say what they were") {
   }
 }
 
-TEST_CASE("flips: methods and energies that do not exist are refused") {
+TEST_CASE("flips: methods and energies that do not exist, or do not go together, are refused") {
   const Finger finger;
   CHECK(finger.flatten("--flips iron").code == 2);
   CHECK(finger.flatten("--energy arp").code == 2);
+  for (const char* contradiction : {"--energy symmetric-dirichlet --flips keep",
+                                    "--energy symmetric-dirichlet --paper", "--paper --flips stiffening"}) {
+    CHECK(finger.flatten(contradiction).code == 2);
+    CHECK(!std::filesystem::exists(finger.scratch.file("o.ply")));
+  }
 }
