@@ -364,6 +364,7 @@ class FlattenCommand {
 
   void say_not_converged() const {
     const Flips flips = args_.options.flips;
+    if (flips == Flips::Untangle && has_flips()) return;  // maps with flips are not minimised
     const bool by_weights = flips == Flips::Weights || flips == Flips::Stiffening;
     if (args_.options.paper || by_weights)
       return;  // these end where no triangle is flipped, and flips are said

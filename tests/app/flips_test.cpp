@@ -138,3 +138,44 @@ TEST_CASE("flips: methods and energies that do not exist, or do not go together,
     CHECK(!std::filesystem::exists(finger.scratch.file("o.ply")));
   }
 }
+
+TEST_CASE("flips: where constraints leave no map without them, those are named that make the difference") {
+  // A flat grid whose rim is pinned where it lies, and one inner vertex outside of it.
+  constexpr int kSide = 7;
+  const Scratch scratch;
+  std::string mesh;
+  json rim = json::array(), places = json::array();
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      mesh += "v " + std::to_string(x) + " " + std::to_string(y) + " 0\n";
+      if (x > 0 && y > 0 && x + 1 < kSide && y + 1 < kSide) continue;
+      rim.push_back(y * kSide + x);
+      places.push_back({x, y});
+    }
+  }
+  for (int y = 0; y + 1 < kSide; ++y) {
+    for (int x = 0; x + 1 < kSide; ++x) {
+      const int a = y * kSide + x + 1, b = a + kSide;
+      mesh += "f " + std::to_string(a) + " " + std::to_string(a + 1) + " " + std::to_string(b + 1) + "\n";
+      mesh += "f " + std::to_string(a) + " " + std::to_string(b + 1) + " " + std::to_string(b) + "\n";
+    }
+  }
+  write(scratch.file("grid.obj"), mesh);
+  const json set = {{"version", 1},
+                    {"constraints",
+                     {{{"name", "rim"}, {"type", "pin"}, {"vertices", rim}, {"uv", places}},
+                      {{"name", "stray"}, {"type", "pin"}, {"vertices", {24}}, {"uv", {{9, 9}}}},
+                      {{"name", "calm"}, {"type", "pin"}, {"vertices", {25}}, {"uv", {{4, 3}}}}}}};
+  write(scratch.file("c.json"), set.dump());
+  const Ran ran = run("flatten " + scratch.file("grid.obj") + " -c " + scratch.file("c.json") + " -o " +
+                      scratch.file("o.ply") + " --report " + scratch.file("r.json"));
+  CHECK(ran.code == 6);
+  CHECK(ran.err.find("triangles are flipped (") != std::string::npos);
+  CHECK_MESSAGE(
+      ran.err.find("there are none without \"rim\", or without \"stray\"; loosen it") != std::string::npos,
+      ran.err);
+  CHECK(ran.err.find("use a larger --tolerance") == std::string::npos);  // that would not help
+  const json report = json::parse(content_of(scratch.file("r.json")));
+  CHECK(report.at("flipped_triangles").get<int>() > 0);
+  for (const json& c : report.at("constraints")) CHECK(c.at("residual").get<double>() < 1e-9);
+}
