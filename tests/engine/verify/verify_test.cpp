@@ -88,7 +88,7 @@ TEST_CASE(
              : type == "curve" ? kSquare[2]
                                : c.mesh.corner_vertex[0],
              {0, step});
-      const ConstraintFinding& finding = c.found().constraints.front();
+      const ConstraintFinding finding = c.found().constraints.front();
       CHECK(finding.faults.empty() == (step < 1e-10));
       CHECK(finding.residual.value() > 0.05 * step);
       CHECK(finding.residual.value() < 10 * step);
