@@ -8,8 +8,10 @@
 #include "kernels/exact/orient2.hpp"
 #include "kernels/local/distortion.hpp"
 #include "kernels/local/jacobians.hpp"
+#include "tests/support/jet.hpp"
 
 using namespace planish;
+using planish::tests::Jet;
 
 namespace {
 
@@ -63,6 +65,24 @@ double curvature(const std::array<std::array<Mat2, 3>, 3>& hessian, Corners x) {
     for (int k = 0; k < 6; ++k) sum += entry(x, i) * entry(hessian[i / 2][k / 2], i % 2, k % 2) * entry(x, k);
   }
   return sum;
+}
+
+/// The densities from the entries of the Jacobian, without p and q, over the six coordinates.
+Jet<6> twin_of(const Density& density, const Corners& z) {
+  std::array<Jet<6>, 6> x;
+  for (int i = 0; i < 6; ++i) x[i] = Jet<6>::variable(i % 2 == 0 ? z[i / 2].x : z[i / 2].y, i);
+  const Jet<6> along(1 / kFrame.x1), shear(-kFrame.x2 / (kFrame.x1 * kFrame.y2)), across(1 / kFrame.y2);
+  const Jet<6> m00 = along * (x[2] - x[0]), m10 = along * (x[3] - x[1]);
+  const Jet<6> m01 = shear * (x[2] - x[0]) + across * (x[4] - x[0]),
+               m11 = shear * (x[3] - x[1]) + across * (x[5] - x[1]);
+  const Jet<6> f = m00 * m00 + m01 * m01 + m10 * m10 + m11 * m11, d = m00 * m11 - m01 * m10;
+  const std::string name = density.name;
+  if (name == "symmetric dirichlet") return f + f * inverse(d * d);
+  if (name == "untangling")
+    return (f + d * d + Jet<6>(1)) * inverse(Jet<6>(0.5) * (d + root(d * d + Jet<6>(0.09))));
+  const Jet<6> arap = f - Jet<6>(2) * root(f + Jet<6>(2) * d) + Jet<6>(2);  // |J|^2 - 2 (s1 + s2) + 2
+  const Jet<6> y = Jet<6>(0.5) * d, gap = Jet<6>(1) - y;
+  return name == "barred arap" && y.value < 1 ? arap + Jet<6>(0.3) * gap * gap * gap * inverse(y) : arap;
 }
 
 }  // namespace
@@ -119,6 +139,30 @@ TEST_CASE("isotropic: gradients and Hessians are those of central differences") 
           const double difference = (entry(g1, i) - entry(g0, i)) / (2 * kStep);
           const double exact = entry(hessian[i / 2][k / 2], i % 2, k % 2);
           CHECK(std::abs(exact - difference) < 1e-4 * (1 + std::abs(exact)));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("isotropic: values, gradients and Hessians are those of automatic differentiation") {
+  std::mt19937 random(6);
+  for (const Density& density : kDensities) {
+    CAPTURE(density.name);
+    for (int trial = 0; trial < 100; ++trial) {
+      const Corners z = random_corners(random, !density.finite);
+      const CornerWeights a = corner_weights(kFrame);
+      const Wirtinger j = wirtinger(a, z);
+      const IsotropicTerms terms = density.terms(j);
+      Corners gradient = corner_gradient(a, j, terms);
+      const auto hessian = corner_hessian(a, j, terms);
+      const Jet<6> twin = twin_of(density, z);
+      CHECK(terms.value == doctest::Approx(twin.value).epsilon(1e-10));
+      for (int i = 0; i < 6; ++i) {
+        CHECK(std::abs(entry(gradient, i) - twin.gradient[i]) < 1e-9 * (1 + std::abs(twin.gradient[i])));
+        for (int k = 0; k < 6; ++k) {
+          const double exact = entry(hessian[i / 2][k / 2], i % 2, k % 2);
+          CHECK(std::abs(exact - twin.hessian[i][k]) < 1e-8 * (1 + std::abs(twin.hessian[i][k])));
         }
       }
     }
