@@ -10,8 +10,10 @@ namespace {
 constexpr const char* kDescription =
     "planish flattens triangle meshes into the plane as rigidly as possible.\n"
     "Exit codes: 0 done; 1 a defect of planish; 2 usage; 3 input cannot be read; 4 the mesh cannot be used;\n"
-    "5 the constraints or their features cannot be used; 6 solved, but flips remain or the tolerance was not "
-    "met, or what was to be verified does not hold; 7 cannot write; 130 stopped.";
+    "5 the constraints or their features cannot be used; 6 solved, but flips remain, overlaps that were to "
+    "be "
+    "removed remain or the tolerance was not met, or what was to be verified does not hold; 7 cannot write; "
+    "130 stopped.";
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -81,6 +83,11 @@ void add_flatten(CLI::App& app, FlattenArgs& args) {
                                                   {"symmetric-dirichlet", Energy::SymmetricDirichlet}};
   app.add_option("--energy", args.options.energy, "arap or symmetric-dirichlet [arap]")
       ->transform(CLI::CheckedTransformer(energies).description(""));
+  const std::map<std::string, Overlapping> overlaps = {{"report", Overlapping::Report},
+                                                       {"remove", Overlapping::Remove}};
+  app.add_option("--overlaps", args.options.overlaps,
+                 "parts of the map on one another: report, or remove, which seeks a map without any [report]")
+      ->transform(CLI::CheckedTransformer(overlaps).description(""));
   const std::map<std::string, Flips> flips = {{"untangle", Flips::Untangle},
                                               {"weights", Flips::Weights},
                                               {"stiffening", Flips::Stiffening},

@@ -11,6 +11,7 @@
 #include "engine/prepare/connection.hpp"
 #include "engine/solve/flip_free.hpp"
 #include "engine/solve/gauge.hpp"
+#include "engine/solve/overlap_free.hpp"
 #include "engine/solve/start.hpp"
 #include "engine/solve/tutte.hpp"
 #include "engine/solve/weighted_steps.hpp"
@@ -264,6 +265,8 @@ class Run {
       done = timed(Phase::Untangle, [&] { return remove_flips(exec_, arap, options_, monitor_, minimum); });
       global_.reset();
       if (done) done = timed(Phase::Polish, [&] { return polish(exec_, arap, options_, monitor_, minimum); });
+      if (done && options_.overlaps == Overlapping::Remove)
+        done = timed(Phase::Separate, [&] { return separate(arap, minimum); });
     }
     if (!done) return done;
     global_.reset();
@@ -274,7 +277,38 @@ class Run {
     result_.gradient = minimum.gradient;
     result_.removal = minimum.removal;
     result_.removal.method = options_.paper ? Flips::Weights : options_.flips;
+    result_.overlaps = minimum.overlaps;
+    result_.overlaps.method = options_.overlaps;
     return system_ ? system_->check_scales(*start_.last().poses()) : Result<void>();
+  }
+
+  Result<void> separate(const ArapProblem& arap, Minimum& minimum) {
+    OverlapFreeStarts starts{.first_map = [&] { return first_map(arap); }};
+    if (!system_) starts.convex_map = arap.last_resort;
+    starts.unconstrained_map = [this] { return unconstrained_map(); };
+    return remove_overlaps(exec_, arap, starts, options_, monitor_, minimum);
+  }
+
+  /// In the units and the order of the mesh here.
+  Result<std::vector<Vec2>> unconstrained_map() const {
+    FlattenOptions options = options_;
+    options.normalize = false;
+    auto flat = planish::flatten(surface_, {}, options, monitor_);
+    if (!flat) return fail(flat.error());
+    std::vector<Vec2> uv;
+    for (const Index v : mesh().vertex_origin) uv.push_back((1 / mesh().unit) * flat->uv[v]);
+    return uv;
+  }
+
+  Result<std::vector<Vec2>> first_map(ArapProblem arap) {
+    auto global = piece_.factor(piece_.laplacian_over(exec_, nodes_));
+    if (!global) return fail(global.error());
+    arap.global = &*global;
+    FlattenOptions first = options_;
+    first.max_iterations = 0;
+    auto map = minimise_arap(exec_, arap, first, monitor_);
+    if (!map) return fail(map.error());
+    return std::move(map->uv);
   }
 
   /// Gauge, layout, units; then everything is measured on the final coordinates.
@@ -379,6 +413,9 @@ Result<void> check_options(const FlattenOptions& options) {
         "symmetric-dirichlet is infinite where triangles are flipped: it needs flips to be untangled");
   if (options.paper && (options.flips == Flips::Keep || options.flips == Flips::Stiffening))
     return fail(ErrorCode::BadUsage, "the paper's variant has its own procedure against flips, weights");
+  if (options.overlaps == Overlapping::Remove && (options.paper || options.flips != Flips::Untangle))
+    return fail(ErrorCode::BadUsage,
+                "overlaps are removed from maps without flips: that needs flips to be untangled");
   return {};
 }
 

@@ -79,6 +79,19 @@ void add_flips(Json& report, const FlipRemoval& r) {
   if (r.barrier_weight > 0) flips["barrier"] = {{"mu", r.barrier_weight}, {"delta", r.barrier_delta}};
 }
 
+void add_overlaps(Json& report, const OverlapRemoval& r) {
+  Json& overlaps = report["overlaps"];
+  overlaps = {{"method", name(r.method)}};
+  if (r.method != Overlapping::Remove) return;
+  overlaps["pairs_before"] = r.pairs_before;
+  if (r.pairs_before == 0) return;
+  overlaps["arap_before"] = number(r.arap_before);
+  overlaps["start"] = name(r.start);
+  if (r.start == OverlapRemoval::Start::None) return;
+  overlaps["newton_steps"] = r.newton_steps;
+  overlaps["energy"] = number(r.energy);
+}
+
 /// Seconds of each step; a step that ran more than once has its sum.
 Json timings(const std::vector<StepTime>& engine, const std::vector<StepTime>& extra) {
   Json seconds = Json::object();
@@ -232,6 +245,7 @@ std::string report_json(const Flattening& flattening, const ReportContext& conte
   add_certificate(report, flattening.certificate);
   add_iteration(report, flattening);
   add_flips(report, flattening.removal);
+  add_overlaps(report, flattening.overlaps);
   report["timings_s"] = timings(flattening.timings, context.extra_timings);
   report["peak_memory_bytes"] = context.peak_memory_bytes;
   report["threads"] = flattening.threads;

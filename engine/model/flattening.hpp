@@ -64,6 +64,26 @@ struct FlipRemoval {
   double barrier_weight = 0, barrier_delta = 0;  ///< DESIGN 3.6: mu and delta; 0 where there was none
 };
 
+/// What was done so that no parts of the map lie on one another.
+struct OverlapRemoval {
+  /// Map that the descent without overlaps began at.
+  enum class Start {
+    None,          ///< none was found, the map stayed as it was
+    FirstMap,      ///< that of the first rotations
+    ConvexMap,     ///< one of the whole onto a disk
+    Unconstrained  ///< the map without constraints, which they were brought to
+  };
+  Overlapping method = Overlapping::Report;
+  Offset pairs_before = 0;  ///< where the descent without flips ended
+  double arap_before = 0;   ///< there
+  Start start = Start::None;
+  int newton_steps = 0;  ///< of the descent, to the map it began at too
+  double energy =
+      0;  ///< what was minimised, per rest area: that of FlipRemoval and the barrier between boundaries
+};
+
+const char* name(OverlapRemoval::Start start);
+
 /// What became of one constraint (DESIGN 4.3 "constraints"); of one on a seam there are two, a side each.
 struct ConstraintOutcome {
   std::string name, type = {};
@@ -111,6 +131,7 @@ struct Flattening {
   double holonomy_residual =
       0;  ///< largest residual of the rotation rows, radians (0 where none were solved)
   FlipRemoval removal;
+  OverlapRemoval overlaps;
   ConstraintFacts constraints;  ///< empty where there are none
   std::vector<StepTime> timings;
   int threads = 1;

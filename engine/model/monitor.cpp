@@ -14,6 +14,7 @@ const char* name(Phase phase) {
     case Phase::LocalGlobal: return "local_global";
     case Phase::Untangle: return "untangle";
     case Phase::Polish: return "polish";
+    case Phase::Separate: return "separate";
     case Phase::Measure: return "measure";
     case Phase::Write: return "write";
   }

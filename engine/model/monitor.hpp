@@ -16,6 +16,7 @@ enum class Phase {
   LocalGlobal,
   Untangle,
   Polish,
+  Separate,
   Measure,
   Write
 };

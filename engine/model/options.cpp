@@ -1,5 +1,7 @@
 #include "engine/model/options.hpp"
 
+#include "engine/model/flattening.hpp"
+
 namespace planish {
 
 const char* name(Energy energy) {
@@ -16,6 +18,24 @@ const char* name(Flips flips) {
     case Flips::Weights: return "weights";
     case Flips::Stiffening: return "stiffening";
     case Flips::Keep: return "keep";
+  }
+  return "";
+}
+
+const char* name(OverlapRemoval::Start start) {
+  switch (start) {
+    case OverlapRemoval::Start::None: return "none";
+    case OverlapRemoval::Start::FirstMap: return "first_map";
+    case OverlapRemoval::Start::ConvexMap: return "convex_map";
+    case OverlapRemoval::Start::Unconstrained: return "unconstrained";
+  }
+  return "";
+}
+
+const char* name(Overlapping overlapping) {
+  switch (overlapping) {
+    case Overlapping::Report: return "report";
+    case Overlapping::Remove: return "remove";
   }
   return "";
 }

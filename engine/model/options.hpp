@@ -29,10 +29,19 @@ enum class Flips {
 
 const char* name(Flips flips);
 
+/// What is done about parts of the map that lie on one another.
+enum class Overlapping {
+  Report,  ///< nothing
+  Remove,  ///< another map is sought, and kept from crossing itself
+};
+
+const char* name(Overlapping overlapping);
+
 struct FlattenOptions {
   Init init = Init::Uniform;
   Energy energy = Energy::Arap;
   Flips flips = Flips::Untangle;
+  Overlapping overlaps = Overlapping::Report;
   double tolerance = 1e-6;   ///< of the gradient (DESIGN 3.5), > 0
   int max_iterations = 500;  ///< local/global and Newton steps after the first global solve, >= 0
   /// The paper's own variant: directions of features as the first rotations have them, flipped triangles weigh more from

@@ -17,6 +17,8 @@ namespace planish {
 /// Pairs the quasi-Newton directions remember; measured, see perf/README.md.
 inline constexpr int kQuasiNewtonMemory = 3;
 
+class BoundaryBarrier;
+
 /// What the outer loop works with.
 struct ArapProblem {
   ArapEnergy energy;
@@ -33,6 +35,8 @@ struct ArapProblem {
   Index num_components = 1;
   /// A map without flips [V], where there is one.
   std::function<Result<std::vector<Vec2>>()> last_resort = {};
+  const BoundaryBarrier* barrier =
+      nullptr;  ///< where flip-free steps must not make the boundary cross itself
   std::vector<std::uint8_t> turns_freely = {};  ///< per component: 1 where nothing says how it is turned
   bool constrained = false;
 };
@@ -54,6 +58,7 @@ struct Minimum {
   bool injective = false;
   double gradient = 0;
   FlipRemoval removal;
+  OverlapRemoval overlaps;
 };
 
 /// Starts with the global solve for the first rotations, then takes quasi-Newton local/global steps until the

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/solve/newton_map.hpp"
+#include "engine/solve/convex_start.hpp"
 #include "engine/solve/patch_work.hpp"
 #include "engine/solve/untangle.hpp"
 
@@ -12,30 +12,6 @@ namespace {
 MapDensity density_of(const FlattenOptions& options) {
   return {.kind =
               options.energy == Energy::Arap ? MapDensity::Kind::Arap : MapDensity::Kind::SymmetricDirichlet};
-}
-
-/// The unknowns of positions whose features lie as the DOF map's poses have them.
-std::vector<Vec2> unknowns_at(const ArapProblem& problem, std::vector<Vec2> uv) {
-  uv.resize(problem.dof->size());
-  problem.dof->collect(uv);
-  return uv;
-}
-
-NewtonMap whole_map(const Exec& exec, const ArapProblem& problem, std::vector<Vec2> x) {
-  ReducedUnknowns unknowns =
-      whole_unknowns(*problem.dof, problem.order, problem.vertex_component, problem.turns_freely, x);
-  return NewtonMap(exec, problem.energy, std::move(unknowns), problem.dof, std::move(x));
-}
-
-/// Where even the projected Hessian is degenerate no step is left, and what was reached stays.
-Result<void> unless_degenerate(Result<void> done) {
-  if (!done && done.error().code == ErrorCode::FactorizationFailed) return {};
-  return done;
-}
-
-Result<void> say(const Monitor& monitor, const Progress& progress) {
-  if (!monitor || monitor(progress) == Verdict::Continue) return {};
-  return fail(ErrorCode::Cancelled, "stopped by the caller");
 }
 
 class FlipRemover {
@@ -81,34 +57,11 @@ class FlipRemover {
     return map ? from(std::move(map->uv)) : fail(map.error());
   }
 
-  /// A map without flips, brought near to the surface's shape by an energy that copes with any start.
   Result<void> from_last_resort() {
-    constexpr int kMostSteps = 100;
-    constexpr double kNear = 1e-2;
-    auto uv = problem_.last_resort();
-    if (!uv) return fail(uv.error());
-    hold(*uv);
-    if (auto done = from(std::move(*uv)); !done || !minimum_.injective) return done;
-    NewtonMap map = whole_map(exec_, problem_, unknowns_at(problem_, minimum_.uv));
-    map.lower({.kind = MapDensity::Kind::SymmetricDirichlet});
-    Descent descent(map, kNear, kMostSteps);
-    while (!descent.is_done()) {
-      const int step = ++minimum_.removal.untangling_steps;
-      auto said = say(monitor_, {Phase::Untangle, step, map.energy() / problem_.energy.area});
-      if (auto stepped = said.and_then([&] { return descent.step(); }); !stepped) return stepped;
-    }
-    minimum_.uv.assign(map.uv().begin(), map.uv().end());
-    return {};
-  }
-
-  /// Moves components so that what is held lies at 0.
-  void hold(Out<Vec2> uv) const {
-    std::vector<Vec2> by(problem_.num_components);
-    for (Index v = 0; v < static_cast<Index>(uv.size()); ++v) {
-      if (problem_.energy.fixed[v]) by[problem_.vertex_component[v]] = uv[v];
-    }
-    for (Index v = 0; v < static_cast<Index>(uv.size()); ++v)
-      uv[v] = uv[v] - by[problem_.vertex_component[v]];
+    auto uv = problem_.last_resort().and_then([&](std::vector<Vec2> start) {
+      return unfold(exec_, problem_, monitor_, std::move(start), minimum_.removal.untangling_steps);
+    });
+    return uv ? from(std::move(*uv)) : fail(uv.error());
   }
 
   /// Keeps the result where it has fewer faults.
@@ -120,13 +73,10 @@ class FlipRemover {
       uv = std::move(mended);
     } else {
       // From where it was: flips that patches were left with stand between others that are stiff now.
-      NewtonMap map = whole_map(exec_, problem_, unknowns_at(problem_, std::move(uv)));
+      NewtonMap map = whole_map(exec_, problem_, std::move(uv));
       Untangling untangling(map, kMostSteps);
-      while (!untangling.is_done()) {
-        const int step = ++minimum_.removal.untangling_steps;
-        auto said = say(monitor_, {.phase = Phase::Untangle, .iteration = step, .energy = map.energy()});
-        if (auto stepped = said.and_then([&] { return untangling.step(); }); !stepped) return stepped;
-      }
+      if (auto done = take_steps(untangling, map, monitor_, minimum_.removal.untangling_steps); !done)
+        return done;
       uv.assign(map.uv().begin(), map.uv().end());
       if (faults(mended) < faults(uv)) uv = std::move(mended);
     }
@@ -159,7 +109,7 @@ class Polish {
         minimum_(minimum),
         density_(density_of(options)),
         patches_(exec, problem),
-        map_(whole_map(exec, problem, unknowns_at(problem, minimum.uv))) {}
+        map_(whole_map(exec, problem, minimum.uv)) {}
 
   Result<void> operator()() {
     FlipRemoval& removal = minimum_.removal;

@@ -15,6 +15,8 @@ constexpr double kEnergyRounding = 1e-14;  // relative, of a sum
 constexpr double kLessProjection = 0.25;
 constexpr double kMoreProjection = 3;
 constexpr double kLeastProjection = 1e-3;  // less is none
+// Of the diagonal, where rounding makes a projected Hessian of very unlike triangles indefinite.
+constexpr double kFirstLift = 1e-12, kMostLift = 1e-4;
 
 /// Moves of features at the DOF map's base.
 void set_moves(const DofMap& dof, ReducedUnknowns& unknowns) {
@@ -106,7 +108,8 @@ void NewtonMap::move_to(std::vector<Vec2> x) {
 }
 
 double NewtonMap::evaluate_at(std::vector<Vec2>& x, std::vector<Vec2>& force) {
-  const double energy = measure_.evaluate(density_, vertices(x), vertices(force));
+  double energy = measure_.evaluate(density_, vertices(x), vertices(force));
+  if (barrier_) energy += barrier_->add_forces(vertices(x), vertices(force));
   if (!dof_) return energy;
   dof_->fold(force);
   return energy + add_line_edges(force);
@@ -147,9 +150,33 @@ void NewtonMap::renew_moves() {
   if (dof_->expand(x_)) energy_ = evaluate_at(x_, force_);
 }
 
-Result<void> NewtonMap::factor() {
-  const SymmetricMatrix hessian = reduced_hessian(exec_, mesh_, unknowns_, density_, projection_, uv());
+/// Pairs of the barrier, and zeros for those that are near: the pattern stays while no others come close.
+std::vector<HessianElement> NewtonMap::contacts(bool& pattern_is_new) {
+  if (!barrier_) return {};
+  std::vector<HessianElement> elements = barrier_->hessian(uv(), projection_);
+  pattern_is_new = !std::all_of(elements.begin(), elements.end(), [&](const HessianElement& e) {
+    return std::binary_search(coupled_.begin(), coupled_.end(), e.vertex);
+  });
+  if (pattern_is_new) coupled_ = barrier_->near(uv());
+  for (const auto& vertex : coupled_) elements.push_back({vertex, {}});
+  return elements;
+}
+
+Result<void> NewtonMap::factor(double lift) {
+  bool pattern_is_new = false;
+  const std::vector<HessianElement> further = contacts(pattern_is_new);
+  if (pattern_is_new) global_.reset();
+  SymmetricMatrix hessian = reduced_hessian(exec_, mesh_, unknowns_, density_, projection_, uv(), further);
+  if (lift > 0) {
+    for (Index column = 0; column < hessian.size(); ++column)
+      hessian.value[hessian.column_begin[column]] *= 1 + lift;
+  }
   if (global_) return global_->refactor(hessian);
+  if (pattern_is_new) {
+    auto order = order_of_unknowns(hessian, unknowns_);
+    if (!order) return fail(order.error());
+    order_ = std::move(*order);
+  }
   auto factored = GlobalPhase::factor(hessian, order_);
   if (!factored) return fail(factored.error());
   global_.emplace(std::move(*factored));
@@ -159,10 +186,12 @@ Result<void> NewtonMap::factor() {
 Result<void> NewtonMap::prepare() {
   renew_moves();
   if (!keeps_positive()) projection_ = 1;
+  double lift = 0;
   while (true) {
-    auto factored = factor();
+    auto factored = factor(lift);
     if (factored) break;
-    if (factored.error().code != ErrorCode::FactorizationFailed || projection_ == 1) return factored;
+    if (factored.error().code != ErrorCode::FactorizationFailed || lift >= kMostLift) return factored;
+    if (projection_ == 1) lift = std::max(kFirstLift, 100 * lift);
     projection_ = std::min(1.0, std::max(kLeastProjection, kMoreProjection * projection_));
   }
   solve();
@@ -195,16 +224,21 @@ void NewtonMap::solve() {
   force_times_direction_ = dot(exec_, force_, direction_);
 }
 
+/// By less than the first flip and the first contact on the linearised path.
+void NewtonMap::bound_length() {
+  std::vector<Vec2> path = direction_;
+  if (dof_) dof_->linearise(path);
+  double most = length_ / kShareOfFirstFlip;
+  if (keeps_positive()) most = std::min({most, first_reversal(), measure_.first_flip(uv(), vertices(path))});
+  if (barrier_) most = std::min(most, barrier_->first_contact(uv(), vertices(path), most));
+  length_ = kShareOfFirstFlip * most;
+}
+
 bool NewtonMap::advance() {
   const double slope = 2 * force_times_direction_;  // the force is half the gradient
   if (!(slope < 0)) return false;
   length_ = 1;
-  if (keeps_positive()) {
-    std::vector<Vec2> path = direction_;
-    if (dof_) dof_->linearise(path);
-    length_ = std::min(
-        1.0, kShareOfFirstFlip * std::min(first_reversal(), measure_.first_flip(uv(), vertices(path))));
-  }
+  if (keeps_positive() || barrier_) bound_length();
   for (int halving = 0; halving < kMostHalvings; ++halving, length_ *= 0.5) {
     combine(exec_, {{1, x_}, {length_, direction_}}, x_trial_);
     if (dof_ && !dof_->expand(x_trial_)) continue;

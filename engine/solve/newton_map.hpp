@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/solve/boundary_barrier.hpp"
 #include "engine/solve/global_phase.hpp"
 #include "engine/solve/reduced_hessian.hpp"
 
@@ -33,8 +34,6 @@ class NewtonMap {
   /// below that a smaller share is tried next time where it was definite, and a larger one at once where it was not.
   /// Fails: OutOfMemory, FactorizationFailed (projected too: the map is degenerate).
   Result<void> prepare();
-  /// The share that was needed last.
-  double projection() const { return projection_; }
   /// sqrt(g^T H^-1 g / E), of the direction prepared last (DESIGN 3.5).
   double gradient() const;
 
@@ -42,7 +41,8 @@ class NewtonMap {
   /// triangle on the linearised path, and never to a place with a flipped triangle or an overwound vertex. False, and
   /// where it was, where no length lowers the energy.
   bool advance();
-  double last_length() const { return length_; }  ///< 1 is a whole Newton step
+  /// From now on the boundary does not cross itself: its barrier is part of the energy. barrier: outlives the map, or null.
+  void keep_apart(const BoundaryBarrier* barrier) { barrier_ = barrier; }
 
  private:
   bool keeps_positive() const { return density_.kind != MapDensity::Kind::Untangling; }
@@ -50,7 +50,9 @@ class NewtonMap {
   double evaluate_at(std::vector<Vec2>& x, std::vector<Vec2>& force);
   double add_line_edges(std::vector<Vec2>& force) const;
   double first_reversal() const;
-  Result<void> factor();
+  Result<void> factor(double lift);
+  void bound_length();
+  std::vector<HessianElement> contacts(bool& pattern_is_new);
   void solve();
   void renew_moves();
 
@@ -65,6 +67,8 @@ class NewtonMap {
   std::vector<Vec2> x_, force_, direction_, x_trial_, force_trial_;
   double energy_ = 0, force_times_direction_ = 0, length_ = 1;
   double projection_ = 1;
+  const BoundaryBarrier* barrier_ = nullptr;
+  std::vector<std::array<Index, 3>> coupled_;  // by the barrier, in the matrix that was analysed
 };
 
 /// Unknowns of a whole map. order: fill-reducing, of the vertices.

@@ -90,6 +90,9 @@ PatchWork::PatchWork(const Exec& exec, const ArapProblem& problem)
       rank_(mesh_.num_vertices()) {
   const NodeMap& nodes = problem.dof->nodes();
   for (Index v = 0; v < mesh_.num_vertices(); ++v) movable_[v] = nodes.node[v] == v;
+  if (problem.barrier) {
+    for (const Index c : problem.topology->loop_corner) movable_[mesh_.corner_vertex[c]] = 0;
+  }
   for (Index k = 0; k < static_cast<Index>(problem.order.size()); ++k) rank_[problem.order[k]] = k;
 }
 

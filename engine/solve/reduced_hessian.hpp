@@ -1,6 +1,7 @@
 // Hessians of map energies over the unknowns that a map is moved by: free vertices, and what moves features.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "engine/constraints/dof_map.hpp"
@@ -31,11 +32,20 @@ struct ReducedUnknowns {
   }
 };
 
-/// Half the Hessian at uv; one pattern for the same unknowns, whatever the values. Curvature of the ways that features are
-/// moved is left out: what directions add beyond it vanishes with the forces.
-///   order: of the unknowns' vertices
+/// What an energy between three vertices adds to half the Hessian.
+struct HessianElement {
+  std::array<Index, 3> vertex;
+  std::array<std::array<Mat2, 3>, 3> block;
+};
+
+/// Half the Hessian at uv; one pattern for the same unknowns and the same vertices of further elements, whatever the values.
+/// Curvature of the ways that features are moved is left out: what directions add beyond it vanishes with the forces.
 /// Cost: O(T) in the triangles at moving vertices, parallel; O(m^2) at triangles with m moves of features.
 SymmetricMatrix reduced_hessian(const Exec& exec, const ArapEnergy& mesh, const ReducedUnknowns& unknowns,
-                                const MapDensity& density, double projection, In<Vec2> uv);
+                                const MapDensity& density, double projection, In<Vec2> uv,
+                                In<HessianElement> further = {});
+
+/// A fill-reducing order of the unknowns for such a matrix, whatever else couples them.   Fails: OutOfMemory.
+Result<std::vector<Index>> order_of_unknowns(const SymmetricMatrix& hessian, const ReducedUnknowns& unknowns);
 
 }  // namespace planish

@@ -26,6 +26,16 @@ double next_epsilon(double epsilon, double least_determinant, double before, dou
 
 }  // namespace
 
+NewtonMap whole_map(const Exec& exec, const ArapProblem& problem, std::vector<Vec2> uv) {
+  uv.resize(problem.dof->size());
+  problem.dof->collect(uv);
+  ReducedUnknowns unknowns =
+      whole_unknowns(*problem.dof, problem.order, problem.vertex_component, problem.turns_freely, uv);
+  NewtonMap map(exec, problem.energy, std::move(unknowns), problem.dof, std::move(uv));
+  map.keep_apart(problem.barrier);
+  return map;
+}
+
 Untangling::Untangling(NewtonMap& map, int most_steps) : map_(map), most_steps_(most_steps) {
   look();
   density_ = {.kind = MapDensity::Kind::Untangling, .epsilon = first_epsilon(least_)};

@@ -1,6 +1,7 @@
 // Projected Newton on maps, a step at a time: away from flips, and down to a minimum without them.
 #pragma once
 
+#include "engine/solve/driver.hpp"
 #include "engine/solve/newton_map.hpp"
 
 namespace planish {
@@ -45,5 +46,30 @@ class Descent {
   int most_steps_, steps_ = 0;
   bool converged_ = false, done_ = false;
 };
+
+/// The whole of a problem's map, with its features and its barrier.   uv [V]: features as the DOF map's poses have them
+NewtonMap whole_map(const Exec& exec, const ArapProblem& problem, std::vector<Vec2> uv);
+
+/// Where even the projected Hessian is degenerate no step is left, and what was reached stays.
+inline Result<void> unless_degenerate(Result<void> done) {
+  if (!done && done.error().code == ErrorCode::FactorizationFailed) return {};
+  return done;
+}
+
+/// Asks whether to go on.   Fails: Cancelled.
+inline Result<void> say(const Monitor& monitor, const Progress& progress) {
+  if (!monitor || monitor(progress) == Verdict::Continue) return {};
+  return fail(ErrorCode::Cancelled, "stopped by the caller");
+}
+
+/// Steps of an Untangling or a Descent of the map until it is done; count: in and out, how many.
+template <class Steps>
+Result<void> take_steps(Steps& steps, const NewtonMap& map, const Monitor& monitor, int& count) {
+  while (!steps.is_done()) {
+    auto said = say(monitor, {.phase = Phase::Untangle, .iteration = ++count, .energy = map.energy()});
+    if (auto stepped = said.and_then([&] { return steps.step(); }); !stepped) return stepped;
+  }
+  return {};
+}
 
 }  // namespace planish

@@ -2,36 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 
+#include "engine/verify/box_tree.hpp"
 #include "kernels/exact/orient2.hpp"
 
 namespace planish {
 namespace {
-
-struct Box {
-  Vec2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
-
-  void add(Vec2 p) {
-    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y)};
-    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y)};
-  }
-  void add(const Box& b) {
-    lower = {std::min(lower.x, b.lower.x), std::min(lower.y, b.lower.y)};
-    upper = {std::max(upper.x, b.upper.x), std::max(upper.y, b.upper.y)};
-  }
-  /// Shared interior; touching boxes hold triangles with disjoint interiors.
-  bool meets(const Box& b) const {
-    return lower.x < b.upper.x && b.lower.x < upper.x && lower.y < b.upper.y && b.lower.y < upper.y;
-  }
-};
 
 /// Image of a triangle, turned to run counter-clockwise.
 struct Image {
   std::array<Vec2, 3> point;
   std::array<Index, 3> vertex;
   Index triangle = kNone;
-  Box box;
+  Box2 box;
   bool has_area = false;
 };
 
@@ -109,121 +92,52 @@ void add_pair(const Image& a, const Image& b, Overlaps& sum) {
   keep_first(sum.first, 4 * kMaxListedIds);
 }
 
-std::uint64_t spread_bits(std::uint64_t x) {  // 16 bits to every second place
-  x = (x | x << 8) & 0x00FF00FF;
-  x = (x | x << 4) & 0x0F0F0F0F;
-  x = (x | x << 2) & 0x33333333;
-  return (x | x << 1) & 0x55555555;
+std::vector<Image> images_of(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
+  std::vector<Image> images(corner_vertex.size() / 3);
+  exec.for_blocks(static_cast<Index>(images.size()), kBlock, [&](Index, Range r) {
+    for (Index t = r.begin; t < r.end; ++t) images[t] = image_of(t, corner_vertex, uv);
+  });
+  return images;
 }
 
-/// Complete binary tree over leaves of a few images in Morton order. Node 1 is the root, node k has children
-/// 2 k and 2 k + 1, leaf l is node first_leaf + l.
-class Hierarchy {
- public:
-  static constexpr Index kLeafSize = 4;
+std::vector<Image> in_order(const std::vector<Image>& images, In<Index> order) {
+  std::vector<Image> sorted;
+  sorted.reserve(images.size());
+  for (const Index i : order) sorted.push_back(images[i]);
+  return sorted;
+}
 
-  Hierarchy(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
-    const auto num_triangles = static_cast<Index>(corner_vertex.size() / 3);
-    const std::vector<Index> order = morton_order(exec, corner_vertex, uv);
-    images_.resize(num_triangles);
-    exec.for_blocks(num_triangles, kBlock, [&](Index, Range r) {
-      for (Index i = r.begin; i < r.end; ++i) images_[i] = image_of(order[i], corner_vertex, uv);
-    });
-    num_leaves_ = Exec::num_blocks(num_triangles, kLeafSize);
-    first_leaf_ =
-        static_cast<Index>(std::bit_ceil(static_cast<std::uint32_t>(std::max<Index>(1, num_leaves_))));
-    nodes_.resize(2 * static_cast<std::size_t>(first_leaf_));
-    exec.for_blocks(num_leaves_, kBlock, [&](Index, Range r) {
-      for (Index leaf = r.begin; leaf < r.end; ++leaf) {
-        for (const Image& image : leaf_images(leaf)) nodes_[first_leaf_ + leaf].add(image.box);
-      }
-    });
-    for (Index node = first_leaf_ - 1; node > 0; --node) {
-      nodes_[node].add(nodes_[2 * node]);
-      nodes_[node].add(nodes_[2 * node + 1]);
-    }
-  }
-
-  Index num_leaves() const { return num_leaves_; }
-
-  In<Image> leaf_images(Index leaf) const {
-    const Range r = Exec::block_range(static_cast<Index>(images_.size()), kLeafSize, leaf);
-    return In<Image>(images_).subspan(r.begin, r.end - r.begin);
-  }
-
-  /// Calls visit(other leaf) for the leaves from `leaf` on whose boxes meet its box.
-  template <class Visit>
-  void for_later_meeting(Index leaf, Visit&& visit) const {
-    const Box& box = nodes_[first_leaf_ + leaf];
-    std::array<Index, 64> stack;
-    std::size_t depth = 0;
-    stack[depth++] = 1;
-    while (depth > 0) {
-      const Index node = stack[--depth];
-      if (!nodes_[node].meets(box) || last_leaf_below(node) < leaf) continue;
-      if (node >= first_leaf_) {
-        visit(node - first_leaf_);
-      } else {
-        stack[depth++] = 2 * node + 1;
-        stack[depth++] = 2 * node;
-      }
-    }
-  }
-
- private:
-  static std::vector<Index> morton_order(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
-    Box box;
-    for (const Vec2 p : uv) box.add(p);
-    const Vec2 size = box.upper - box.lower;
-    const double extent = std::max(size.x, size.y);
-    const double scale = extent > 0 ? 65535 / (3 * extent) : 0;
-    std::vector<KeyedIndex> items(corner_vertex.size() / 3);
-    exec.for_blocks(static_cast<Index>(items.size()), kBlock, [&](Index, Range r) {
-      for (Index t = r.begin; t < r.end; ++t) {
-        const Vec2 sum = (uv[corner_vertex[3 * t]] - box.lower) + (uv[corner_vertex[3 * t + 1]] - box.lower) +
-                         (uv[corner_vertex[3 * t + 2]] - box.lower);
-        const auto x = static_cast<std::uint64_t>(scale * sum.x),
-                   y = static_cast<std::uint64_t>(scale * sum.y);
-        items[t] = {spread_bits(x) | spread_bits(y) << 1, t};
-      }
-    });
-    sort_by_key(exec, items, 32);
-    std::vector<Index> order(items.size());
-    for (std::size_t i = 0; i < items.size(); ++i) order[i] = items[i].index;
-    return order;
-  }
-
-  Index last_leaf_below(Index node) const {
-    const int height = std::bit_width(static_cast<std::uint32_t>(first_leaf_)) -
-                       std::bit_width(static_cast<std::uint32_t>(node));
-    return ((node + 1) << height) - 1 - first_leaf_;
-  }
-
-  std::vector<Image> images_;
-  std::vector<Box> nodes_;
-  Index num_leaves_ = 0, first_leaf_ = 1;
-};
+BoxTree tree_of(const Exec& exec, In<Image> images) {
+  std::vector<Box2> box;
+  box.reserve(images.size());
+  for (const Image& image : images) box.push_back(image.box);
+  return BoxTree(exec, box);
+}
 
 }  // namespace
 
 Overlaps find_overlaps(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
   constexpr Index kLeavesPerBlock = 256;
-  const Hierarchy hierarchy(exec, corner_vertex, uv);
-  std::vector<Overlaps> part(Exec::num_blocks(hierarchy.num_leaves(), kLeavesPerBlock));
-  exec.for_blocks(hierarchy.num_leaves(), kLeavesPerBlock, [&](Index block, Range r) {
+  std::vector<Image> images = images_of(exec, corner_vertex, uv);
+  const BoxTree tree = tree_of(exec, images);
+  images = in_order(images, tree.order());
+  std::vector<Overlaps> part(Exec::num_blocks(tree.num_leaves(), kLeavesPerBlock));
+  exec.for_blocks(tree.num_leaves(), kLeavesPerBlock, [&](Index block, Range r) {
     Overlaps& sum = part[block];
     const auto compare = [&](const Image& a, const Image& b) {
       if (a.box.meets(b.box) && !share_vertex(a, b) && share_interior(a, b)) add_pair(a, b, sum);
     };
     for (Index leaf = r.begin; leaf < r.end; ++leaf) {
-      const In<Image> mine = hierarchy.leaf_images(leaf);
-      for (const Image& image : mine) {
-        sum.map_area += 0.5 * cross(image.point[1] - image.point[0], image.point[2] - image.point[0]);
+      const Range mine = tree.leaf(leaf);
+      for (Index i = mine.begin; i < mine.end; ++i) {
+        const auto& p = images[i].point;
+        sum.map_area += 0.5 * cross(p[1] - p[0], p[2] - p[0]);
       }
-      hierarchy.for_later_meeting(leaf, [&](Index other) {
-        const In<Image> theirs = hierarchy.leaf_images(other);
-        for (std::size_t i = 0; i < mine.size(); ++i) {
-          for (std::size_t j = other == leaf ? i + 1 : 0; j < theirs.size(); ++j) compare(mine[i], theirs[j]);
+      tree.visit_meeting(tree.leaf_box(leaf), leaf, [&](Index other) {
+        const Range theirs = tree.leaf(other);
+        for (Index i = mine.begin; i < mine.end; ++i) {
+          for (Index j = other == leaf ? i + 1 : theirs.begin; j < theirs.end; ++j)
+            compare(images[i], images[j]);
         }
       });
     }

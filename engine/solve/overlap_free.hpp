@@ -1,0 +1,25 @@
+// From a map whose parts lie on one another to one whose parts do not.
+#pragma once
+
+#include "engine/solve/driver.hpp"
+
+namespace planish {
+
+/// Where a map free of overlaps may come from, cheapest first; none of them need be free of them.
+struct OverlapFreeStarts {
+  /// The map of the first rotations, and the poses of its features set.
+  std::function<Result<std::vector<Vec2>>()> first_map;
+  /// Without constraints: a map of any shape that has neither flips nor overlaps.
+  std::function<Result<std::vector<Vec2>>()> convex_map = {};
+  /// With constraints: the surface's map without them, kept from overlaps.
+  std::function<Result<std::vector<Vec2>>()> unconstrained_map = {};
+};
+
+/// Takes a map of the same energy that is free of flips and overlaps down to its minimum among such maps: Newton steps of the
+/// map and a scaffold of triangles around it, made anew from time to time. Where no start is free of overlaps the map stays as it was.
+/// problem: all but its global phase;  minimum: in and out.   Fails: as minimise_arap(); NotBuilt.
+/// Cost: some tens of factorizations of twice the global phase's size.
+Result<void> remove_overlaps(const Exec& exec, const ArapProblem& problem, const OverlapFreeStarts& starts,
+                             const FlattenOptions& options, const Monitor& monitor, Minimum& minimum);
+
+}  // namespace planish
