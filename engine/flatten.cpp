@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <new>
-#include <numeric>
 #include <optional>
 
 #include "engine/constraints/constrained_start.hpp"
-#include "engine/constraints/system.hpp"
+#include "engine/flatten_steps.hpp"
 #include "engine/prepare/connection.hpp"
 #include "engine/solve/flip_free.hpp"
 #include "engine/solve/gauge.hpp"
@@ -15,9 +14,6 @@
 #include "engine/solve/start.hpp"
 #include "engine/solve/tutte.hpp"
 #include "engine/solve/weighted_steps.hpp"
-#include "engine/verify/certificate.hpp"
-#include "engine/verify/overlaps.hpp"
-#include "engine/workpiece.hpp"
 
 namespace planish {
 namespace {
@@ -73,18 +69,7 @@ class Run {
       auto piece = make_workpiece(exec_, surface_);
       if (!piece) return fail(piece.error());
       piece_ = std::move(*piece);
-      const Diagnosis& diagnosis = piece_.prepared.diagnosis;
-      const std::vector<std::uint8_t>& mollified = piece_.geometry.mollified;
-      result_.mesh = {
-          .vertices = diagnosis.vertices,
-          .unreferenced_vertices = diagnosis.unreferenced_vertices,
-          .duplicate_positions = diagnosis.duplicate_positions,
-          .triangles = diagnosis.triangles,
-          .components = diagnosis.components,
-          .boundary_loops = diagnosis.boundary_loops,
-          .euler = diagnosis.euler,
-          .outer = {},
-          .mollified_triangles = static_cast<Index>(std::count(mollified.begin(), mollified.end(), 1))};
+      result_.mesh = mesh_facts(piece_);
       return {};
     });
   }
@@ -98,72 +83,25 @@ class Run {
       return {};
     }
     return timed(Phase::Compile, [&]() -> Result<void> {
-      number_features();
+      features_ = features_in_order(mesh(), constraints_.features);
       piece_.find_loops();
-      if (auto chosen = choose_outer(); !chosen) return chosen;
+      auto outer = choose_outer(piece_, features_, constraints_.set->outer);
+      if (!outer) return fail(outer.error());
+      piece_.outer_loop = std::move(*outer);
       if (constraints_.set->constraints.empty()) {
         nodes_ = find_nodes(piece_.component, topology().num_components);
         return {};
       }
       view_ = {constraints_.set, features_, constraints_.vertex_origin};
       auto system = ConstraintSystem::make(
-          piece_.rest(), view_, [&](const Surface& region) { return map_region(region); }, piece_.component);
+          piece_.rest(), view_,
+          [&](const Surface& region) { return map_region(region, options_.threads, monitor_); },
+          piece_.component);
       if (!system) return fail(system.error());
       system_ = std::move(*system);
       nodes_ = system_->nodes();
       return {};
     });
-  }
-
-  /// The features' ids in the ordered mesh.
-  void number_features() {
-    std::vector<Index> vertex(mesh().num_input_vertices, kNone), triangle(mesh().num_triangles(), kNone);
-    for (Index v = 0; v < mesh().num_vertices(); ++v) vertex[mesh().vertex_origin[v]] = v;
-    for (Index t = 0; t < mesh().num_triangles(); ++t) triangle[mesh().triangle_origin[t]] = t;
-    if (constraints_.features == nullptr) return;
-    features_ = *constraints_.features;
-    for (Feature& feature : features_) {
-      for (Index& v : feature.vertex) v = vertex[v];
-      for (Index& t : feature.triangle) t = triangle[t];
-      std::sort(feature.triangle.begin(), feature.triangle.end());
-    }
-  }
-
-  Result<void> choose_outer() {
-    const std::string& name = constraints_.set->outer;
-    Index chosen = kNone;
-    if (!name.empty()) {
-      const auto feature =
-          std::find_if(features_.begin(), features_.end(), [&](const Feature& f) { return f.name == name; });
-      const bool on_boundary =
-          feature != features_.end() && !feature->is_region() &&
-          std::all_of(feature->vertex.begin(), feature->vertex.end(), [&](Index v) {
-            return piece_.loop_of[v] != kNone && piece_.loop_of[v] == piece_.loop_of[feature->vertex.front()];
-          });
-      if (!on_boundary) {
-        Error error{.code = ErrorCode::ConstraintInvalid,
-                    .what = "outer: \"" + name + "\" is no boundary loop"};
-        error.place.pointer = "/outer";
-        return fail(error);
-      }
-      chosen = piece_.loop_of[feature->vertex.front()];
-    }
-    piece_.outer_loop = outer_loops(topology(), chosen);
-    return {};
-  }
-
-  Result<std::vector<Vec2>> map_region(const Surface& region) const {
-    const Monitor stop = [&](const Progress&) {
-      return monitor_ ? monitor_({.phase = Phase::Compile}) : Verdict::Continue;
-    };
-    auto flat = planish::flatten(region, {.threads = options_.threads}, stop);
-    if (!flat) return fail(flat.error());
-    const Certificate& certificate = flat->certificate;
-    if (const Offset flips = certificate.flipped_triangles + certificate.overwound_vertices; flips > 0) {
-      return fail(ErrorCode::ConstraintsConflict, "its own flattening turns over or overwinds it at " +
-                                                      std::to_string(flips) + " places; make it smaller");
-    }
-    return std::move(flat->uv);
   }
 
   // ---- the map ----
@@ -209,17 +147,8 @@ class Run {
     if (!start) return fail(start.error());
     start_ = std::move(*start);
     result_.holonomy_residual = system_->holonomy_residual();
-    result_.constraints = facts_of(start_.last(), global_->factor_nonzeros());
+    result_.constraints = constraint_facts(*system_, start_.last(), global_->factor_nonzeros());
     return {};
-  }
-
-  ConstraintFacts facts_of(const DofMap& dof, Offset factor_nonzeros) const {
-    return {.outcome = {},
-            .bodies = static_cast<Index>(system_->compiled().bodies.size()),
-            .assemblies = system_->assemblies().size(),
-            .clusters = system_->orientation().clusters.size(),
-            .border_unknowns = dof.num_border(),
-            .factor_nonzeros = factor_nonzeros};
   }
 
   Result<Minimum> minimum_of(const ArapProblem& arap) {
@@ -323,9 +252,9 @@ class Run {
       centre_and_align(mesh().corner_vertex, {piece_.component, directed, pinned}, mesh().vertex_origin, uv_);
       if (topology().num_components > 1) lay_out({piece_.component, directed, pinned}, uv_);
       if (options_.normalize) fit_into_unit_square();
-      measure();
-      result_.uv.assign(mesh().num_input_vertices, {});
-      for (Index v = 0; v < mesh().num_vertices(); ++v) result_.uv[mesh().vertex_origin[v]] = uv_[v];
+      if (system_) result_.constraints.outcome = system_->outcomes(uv_);
+      result_.certificate = measure_map(exec_, piece_, uv_);
+      result_.uv = in_input_order(mesh(), uv_);
       return {};
     });
   }
@@ -338,25 +267,6 @@ class Run {
     }
     const double scale = 1 / std::max(upper.x - lower.x, upper.y - lower.y);
     for (Vec2& z : uv_) z = scale * (z - lower);
-  }
-
-  void measure() {
-    if (system_) result_.constraints.outcome = system_->outcomes(uv_);
-    for (RestFrame& f : piece_.geometry.frame) {
-      f = {mesh().unit * f.x1, mesh().unit * f.x2, mesh().unit * f.y2};
-    }
-    Certificate& certificate = result_.certificate;
-    certificate = certify(exec_, mesh().surface(), topology(), piece_.geometry.frame, uv_);
-    to_input_ids(certificate.flipped, mesh().triangle_origin);
-    to_input_ids(certificate.overwound, mesh().vertex_origin);
-    const Overlaps overlaps = find_overlaps(exec_, mesh().corner_vertex, uv_);
-    certificate.overlapping_pairs = overlaps.pairs;
-    certificate.overlap_area_fraction = overlaps.map_area > 0 ? overlaps.common_area / overlaps.map_area : 0;
-  }
-
-  static void to_input_ids(std::vector<Index>& ids, In<Index> origin) {
-    for (Index& id : ids) id = origin[id];
-    std::sort(ids.begin(), ids.end());
   }
 
   /// What a solve would take: the factor in its supernodes, and the columns beside it.
@@ -372,7 +282,7 @@ class Run {
       auto dof = system_->dof_map(false);
       if (!dof) return fail(dof.error());
       if (auto few = check_border(**dof); !few) return few;
-      plan_.facts = facts_of(**dof, *nonzeros);
+      plan_.facts = constraint_facts(*system_, **dof, *nonzeros);
     }
     constexpr Offset kBytesATriangle = 480;  // columns of the mesh and of the iteration, measured
     const Offset border = plan_.facts.border_unknowns;

@@ -5,8 +5,7 @@
 
 #include "engine/constraints/directions.hpp"
 #include "engine/constraints/disjoint_sets.hpp"
-#include "engine/constraints/owners.hpp"
-#include "engine/features/feature_error.hpp"
+#include "engine/constraints/near_closure.hpp"
 #include "engine/features/one_ring.hpp"
 #include "kernels/intrinsic/transport.hpp"
 
@@ -79,36 +78,12 @@ class Orienting {
     }
   }
 
-  /// Cycles of bodies that close but for the precision of the file (four sides of a square) are near agreement, too: the
-  /// joint that gapes most is given up, its body of lower rank yields the vertex.
-  void part_nearly_closed(const Clusters& clusters, In<double> angle) {
-    constexpr double kClosed = 1e-10;
-    while (true) {
-      Poses poses(compiled_, agreement_, assemblies_, clusters, angle);
-      poses.close();
-      const Poses::Gaping widest = poses.widest_joint();
-      if (widest.size <= kClosed) return;
-      const Joint joint = agreement_.joints[widest.joint];
-      const double size = std::min(bodies()[joint.a].size, bodies()[joint.b].size);
-      // The gap was spread over the joints of a cycle; where one of them takes all it is at most as many times as wide.
-      if (widest.size * widest.tied > view_.set->agreement * size) return;
-      part(agreement_, compiled_, joint, 0);
-      const double mismatch = gap_without(joint, clusters, angle);
-      agreement_.mismatch[joint.a] = std::max(agreement_.mismatch[joint.a], mismatch);
-      result_.parted.push_back({joint, mismatch});
-      owners_ = find_owners(compiled_, agreement_);
-    }
-  }
-
-  /// How far a joint that was given up gapes where all others close.
-  double gap_without(const Joint& joint, const Clusters& clusters, In<double> angle) const {
-    Poses poses(compiled_, agreement_, assemblies_, clusters, angle);
-    poses.close();
-    return norm(poses.point(joint.a, joint.place_a) - poses.point(joint.b, joint.place_b));
-  }
-
   Result<void> lay_out(const Clusters& clusters, In<double> angle) {
-    part_nearly_closed(clusters, angle);
+    const auto parted = part_nearly_closed(
+        compiled_, view_.set->agreement,
+        [&] { return std::make_unique<Poses>(compiled_, agreement_, assemblies_, clusters, angle); },
+        agreement_, owners_);
+    result_.parted.insert(result_.parted.end(), parted.begin(), parted.end());
     auto poses = closed_poses(compiled_, view_, *rest_.mesh, agreement_, assemblies_, clusters, angle);
     if (!poses) return fail(poses.error());
     poses_ = std::move(*poses);
@@ -116,34 +91,8 @@ class Orienting {
     return {};
   }
 
-  /// Triangles that have all corners on one rigid whole keep the orientation that it gives them.
   Result<void> check_folds() const {
-    DisjointSets rigid(static_cast<Index>(bodies().size()));
-    for (const Joint& joint : agreement_.joints) {
-      if (joint.kind == Joint::Kind::Fit) rigid.unite(joint.a, joint.b);
-    }
-    std::vector<Index> whole(layout_.point.size(), kNone);
-    std::vector<Index> constraint_of(layout_.point.size(), kNone);
-    for (const Owner& owner : owners_) {
-      if (bodies()[owner.body].kind == Body::Kind::FreeLine) continue;
-      whole[owner.vertex] = rigid.root(owner.body);
-      constraint_of[owner.vertex] = bodies()[owner.body].constraint;
-    }
-    OffendingIds folded;
-    std::vector<Index> constraints;
-    const In<Index> vertex = rest_.mesh->corner_vertex;
-    for (Index t = 0; t < static_cast<Index>(vertex.size() / 3); ++t) {
-      const Index* v = &vertex[3 * static_cast<std::size_t>(t)];
-      if (whole[v[0]] == kNone || whole[v[0]] != whole[v[1]] || whole[v[0]] != whole[v[2]]) continue;
-      const Vec2 a = layout_.point[v[0]];
-      if (cross(layout_.point[v[1]] - a, layout_.point[v[2]] - a) > 0) continue;
-      folded.add(rest_.mesh->triangle_origin[t]);
-      for (int i = 0; i < 3; ++i) constraints.push_back(constraint_of[v[i]]);
-    }
-    if (folded.empty()) return {};
-    Error error = conflict(*view_.set, constraints,
-                           "the shapes that they prescribe turn over or flatten triangles of the mesh");
-    return fail(folded.of(std::move(error), ElementKind::Triangle));
+    return planish::check_folds(rest_, view_, compiled_, agreement_, owners_, layout_.point);
   }
 
   // ---- rotations ----

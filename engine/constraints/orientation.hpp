@@ -3,21 +3,18 @@
 
 #include "engine/constraints/branches.hpp"
 #include "engine/constraints/closure.hpp"
+#include "engine/constraints/near_closure.hpp"
 #include "engine/constraints/rotation_problem.hpp"
 
 namespace planish {
 
 struct Orientation {
-  std::vector<double> theta;   ///< [T] triangle angles, radians
-  double residual = 0;         ///< largest one of any rotation row, radians
-  Clusters clusters;           ///< of the bodies
-  std::vector<double> angle;   ///< per body: its direction in the plane, radians
-  std::vector<double> chosen;  ///< per relation: its angle in the plane, radians
-  struct Parted {
-    Joint joint;
-    double mismatch = 0;
-  };
-  std::vector<Parted> parted;  ///< joints that cycles of bodies close but for a part of `agreement`
+  std::vector<double> theta;        ///< [T] triangle angles, radians
+  double residual = 0;              ///< largest one of any rotation row, radians
+  Clusters clusters;                ///< of the bodies
+  std::vector<double> angle;        ///< per body: its direction in the plane, radians
+  std::vector<double> chosen;       ///< per relation: its angle in the plane, radians
+  std::vector<PartedJoint> parted;  ///< joints that cycles of bodies close but for a part of `agreement`
   std::vector<std::uint8_t>
       directed;  ///< per component: 1 where its frame is tied to the u axis or to other components
 };

@@ -58,7 +58,7 @@ Result<void> ConstraintSystem::orient_once(const Exec& exec, const StartInput& i
 
 /// What orienting found to close only nearly. Joints that pins have replaced are not there any more.
 void ConstraintSystem::part_joints() {
-  for (const Orientation::Parted& parted : orientation_.parted)
+  for (const PartedJoint& parted : orientation_.parted)
     part(agreement_, compiled_, parted.joint, parted.mismatch);
   if (!orientation_.parted.empty()) owners_ = find_owners(compiled_, agreement_);
 }
