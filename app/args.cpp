@@ -111,6 +111,43 @@ void add_flatten(CLI::App& app, FlattenArgs& args) {
   app.add_flag("--normalize", args.options.normalize, "scale uv into the unit square (else true scale)");
 }
 
+void add_deform(CLI::App& app, DeformArgs& args) {
+  app.add_option("mesh", args.mesh, "mesh with its parameterization: .ply .obj, also with .gz")->required();
+  app.add_option("-c,--constraints", args.constraints, "constraint file, JSON: features, constraints, seams")
+      ->required();
+  app.add_option("-o,--output", args.output,
+                 "mesh with its deformed parameterization: .ply or .obj, also with .gz");
+  app.add_option("--report", args.report, "report, JSON");
+  app.add_option("--picture", args.picture,
+                 "picture of the map before and after, side by side: .png or .svg");
+  app.add_flag("--repair", args.repair,
+               "mend orientation, duplicates, degenerate triangles, split vertices first");
+  app.add_option("--steps", args.solve.steps, "steps in which the features go to their shapes, 1 or more")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  app.add_option(
+      "--frames", args.frames,
+      "folder, made where there is none, for a picture of each step: step_0000.png is the given map");
+  const std::map<std::string, Reference> references = {{"surface", Reference::Surface},
+                                                       {"parameterization", Reference::Parameterization}};
+  app.add_option("--reference", args.edit.reference,
+                 "whose shape the triangles keep: surface or parameterization, the given one [surface]")
+      ->transform(CLI::CheckedTransformer(references).description(""));
+  const std::map<std::string, Energy> energies = {{"arap", Energy::Arap},
+                                                  {"symmetric-dirichlet", Energy::SymmetricDirichlet}};
+  app.add_option("--energy", args.solve.energy, "arap or symmetric-dirichlet [arap]")
+      ->transform(CLI::CheckedTransformer(energies).description(""));
+  const std::map<std::string, Flips> flips = {{"untangle", Flips::Untangle}, {"keep", Flips::Keep}};
+  app.add_option("--flips", args.solve.flips, "flipped triangles: untangle or keep [untangle]")
+      ->transform(CLI::CheckedTransformer(flips).description(""));
+  app.add_option("--tolerance", args.solve.tolerance, "of the gradient, above 0")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--max-iterations", args.solve.max_iterations, "local/global steps, 0 or more")
+      ->check(CLI::Range(0, 1'000'000'000))
+      ->capture_default_str();
+}
+
 void add_embed(CLI::App& app, EmbedArgs& args) {
   app.add_option("mesh", args.mesh, "mesh: .obj .ply .stl .off, each also with .gz")->required();
   app.add_option("-c,--constraints", args.constraints, "constraint file, JSON, with the features")
@@ -182,24 +219,28 @@ Result<Args> parse_args(int argc, const char* const* argv) {
   Args args;
   for (int i = 0; i < argc; ++i) args.common.command_line += (i > 0 ? " " : "") + std::string(argv[i]);
   FlattenArgs flatten;
+  DeformArgs deform;
   EmbedArgs embed;
   VerifyArgs verify;
   InfoArgs info;
   SampleArgs sample;
   CLI::App* const flatten_app = app.add_subcommand("flatten", "flatten a mesh");
+  CLI::App* const deform_app =
+      app.add_subcommand("deform", "bring a mesh's own parameterization to its constraints");
   CLI::App* const embed_app =
       app.add_subcommand("embed", "put features into the edges of a mesh, flatten nothing");
   CLI::App* const verify_app =
       app.add_subcommand("verify", "check a flattened mesh from its files alone, exactly");
   CLI::App* const info_app = app.add_subcommand("info", "say what a mesh is and what is wrong with it");
   CLI::App* const sample_app = app.add_subcommand("sample", "make a mesh that looks like a scanned panel");
-  CLI::App* const commands[] = {flatten_app, embed_app, verify_app, info_app, sample_app};
+  CLI::App* const commands[] = {flatten_app, deform_app, embed_app, verify_app, info_app, sample_app};
   add_flatten(*flatten_app, flatten);
+  add_deform(*deform_app, deform);
   add_embed(*embed_app, embed);
   add_verify(*verify_app, verify);
   add_info(*info_app, info);
   add_sample(*sample_app, sample);
-  for (CLI::App* command : {flatten_app, embed_app}) {
+  for (CLI::App* command : {flatten_app, deform_app, embed_app}) {
     command->add_flag("--progress", args.common.progress,
                       "progress lines even where stderr is not a terminal");
   }
@@ -230,9 +271,11 @@ Result<Args> parse_args(int argc, const char* const* argv) {
   if (app.remaining_size(true) > 0) return unknown_words(app, chosen);
   if (!chosen)
     return fail(ErrorCode::BadUsage,
-                "no command given: flatten, embed, verify, info or sample; see planish --help");
+                "no command given: flatten, deform, embed, verify, info or sample; see planish --help");
   flatten.options.threads = args.common.threads;
+  deform.edit.threads = args.common.threads;
   if (chosen == flatten_app) args.command = flatten;
+  if (chosen == deform_app) args.command = deform;
   if (chosen == embed_app) args.command = embed;
   if (chosen == verify_app) args.command = verify;
   if (chosen == info_app) args.command = info;

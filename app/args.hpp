@@ -29,6 +29,13 @@ struct FlattenArgs {
   FlattenOptions options;
 };
 
+struct DeformArgs {
+  std::string mesh, constraints, output, report, picture, frames;
+  bool repair = false;
+  EditOptions edit;
+  SolveOptions solve;
+};
+
 struct EmbedArgs {
   std::string mesh, constraints, output, report, picture;
   bool repair = false;
@@ -57,7 +64,7 @@ struct TextArgs {
 
 struct Args {
   CommonArgs common;
-  std::variant<TextArgs, FlattenArgs, EmbedArgs, VerifyArgs, InfoArgs, SampleArgs> command;
+  std::variant<TextArgs, FlattenArgs, DeformArgs, EmbedArgs, VerifyArgs, InfoArgs, SampleArgs> command;
 };
 
 /// Fails: BadUsage, with the nearest known name where a name is unknown.

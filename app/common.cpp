@@ -62,6 +62,12 @@ Error in_file(Error error, const std::string& path) {
   return error;
 }
 
+Error no_parameterization(const Mesh& mesh) {
+  Error error{.code = ErrorCode::NoParameterization, .what = "the mesh has no uv"};
+  for (const std::string& warning : mesh.warnings) error.also += (error.also.empty() ? "" : ", ") + warning;
+  return error;
+}
+
 void say_mendings(const std::vector<Mending>& mendings) {
   for (const Mending& mending : mendings) fmt::print("repaired: {} {}\n", mending.count, mending.what);
 }

@@ -38,6 +38,9 @@ Result<Input> read_input(const Exec& exec, const std::string& path, bool mend);
 /// With the file named, where the engine could not know it.
 Error in_file(Error error, const std::string& path);
 
+/// What readers left out may be the parameterization that is missed.
+Error no_parameterization(const Mesh& mesh);
+
 void say_mendings(const std::vector<Mending>& mendings);
 void say_warnings(const CommonArgs& common, const std::vector<std::string>& warnings);
 

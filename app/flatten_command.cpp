@@ -6,7 +6,7 @@
 
 #include "app/commands.hpp"
 #include "app/featured.hpp"
-#include "app/provenance.hpp"
+#include "app/flat_result.hpp"
 #include "engine/blame.hpp"
 #include "engine/cut.hpp"
 #include "engine/features/parted.hpp"
@@ -129,22 +129,9 @@ class FlattenCommand {
     if (!result) return fail(placed(result.error()));
     flattening_ = std::move(*result);
     solved_.certificate = flattening_.certificate;
-    if (cut_) number_before_cut();
+    if (cut_) number_before_cut(*cut_, parted_, flattening_);
     warn_of_unwelded();
     return {};
-  }
-
-  /// Outcomes speak of the opened surface; the report, of the mesh that is written.
-  void number_before_cut() {
-    for (Index& v : flattening_.certificate.overwound) v = cut_->vertex_origin[v];
-    for (ConstraintOutcome& outcome : flattening_.constraints.outcome) {
-      for (Index& v : outcome.yielded) v = cut_->vertex_origin[v];
-      if (outcome.type != "region") continue;
-      const auto region = std::find_if(parted_.begin(), parted_.end(), [&](const Feature& feature) {
-        return feature.name == outcome.features.front();
-      });
-      outcome.shape = shape_before_cut(*cut_, region->triangle, outcome.shape);
-    }
   }
 
   /// Without a constraint file there is nothing to meet.
@@ -187,21 +174,8 @@ class FlattenCommand {
 
   Result<void> write_output() {
     if (args_.output.empty()) return {};
-    const Embedding* embedding = featured_.embedding ? &*featured_.embedding : nullptr;
-    const Provenance provenance = provenance_of(featured_.input, embedding);
-    MeshOutput output{.mesh = &mesh(),
-                      .triangle_origin = provenance.triangle_origin,
-                      .vertex_origin_triangle = provenance.vertex_origin_triangle,
-                      .vertex_barycentric = provenance.vertex_barycentric,
-                      .features = features()};
-    std::vector<Vec2> corner_uv;
-    if (cut_) {
-      for (const Index v : cut_->corner_vertex) corner_uv.push_back(flattening_.uv[v]);
-      output.corner_uv = corner_uv;
-    } else {
-      output.uv = flattening_.uv;
-    }
-    return write_mesh(exec_, args_.output, output, warnings_);
+    return write_flattened(exec_, args_.output, featured_, cut_ ? &*cut_ : nullptr, flattening_.uv,
+                           warnings_);
   }
 
   Result<void> write_flat() {
@@ -214,33 +188,13 @@ class FlattenCommand {
 
   Result<void> draw() {
     if (args_.picture.empty()) return {};
-    const std::vector<PlacedFeature> placed = placed_features();
+    const std::vector<PlacedFeature> placed =
+        placed_features(cut_ ? parted_ : embedded_features(), flattening_.constraints);
     PictureOptions options;
     options.title = file_name(args_.mesh);
     options.features = placed;
     return write_picture(exec_, args_.picture, flat_surface(), flattening_.uv, flattening_.certificate,
                          options);
-  }
-
-  /// The features that constraints speak of, as the flat picture shows them.
-  std::vector<PlacedFeature> placed_features() const {
-    std::vector<PlacedFeature> placed;
-    for (const Feature& feature : cut_ ? parted_ : embedded_features()) {
-      using Ideal = PlacedFeature::Ideal;
-      Ideal ideal = Ideal::None;
-      bool used = false;
-      for (const ConstraintOutcome& c : flattening_.constraints.outcome) {
-        if (std::find(c.features.begin(), c.features.end(), feature.name) == c.features.end()) continue;
-        used = true;
-        if (c.type == "line") ideal = Ideal::Line;
-        if (c.type == "circle") ideal = Ideal::Circle;
-      }
-      if (used) {
-        placed.push_back(
-            {feature.name, feature.vertex, feature.closed, feature.triangle, ideal, feature.length});
-      }
-    }
-    return placed;
   }
 
   Result<void> write_report() {
@@ -273,9 +227,11 @@ class FlattenCommand {
           "overlapping pairs {}\n",
           flattening_.mesh.triangles, flattening_.iterations, c.arap, c.sigma_min.min, c.sigma_max.max,
           c.flipped_triangles, c.overwound_vertices, c.overlapping_pairs);
-      say_constraints();
+      say_constraints(flattening_.constraints);
+      if (price_) say_price();
     }
-    const bool disordered = say_disorder(), unmet = say_unmet();
+    const bool disordered = say_disorder(args_.mesh, flattening_.constraints),
+               unmet = say_unmet(args_.mesh, flattening_.constraints);
     if (!flattening_.converged) say_not_converged();
     if (has_flips()) say_flips();
     if (has_unwanted_overlaps()) say_overlaps();
@@ -298,17 +254,7 @@ class FlattenCommand {
   }
 
   void say_flips() const {
-    const Certificate& c = flattening_.certificate;
-    const auto first_few = [](const std::vector<Index>& ids) {
-      constexpr std::size_t kFew = 5;
-      const std::size_t shown = std::min(kFew, ids.size());
-      return ids.empty() ? std::string()
-                         : fmt::format(" ({}{})", fmt::join(ids.begin(), ids.begin() + shown, ", "),
-                                       ids.size() > shown ? ", ..." : "");
-    };
-    fmt::print(stderr, "planish: {}: {} triangles are flipped{} and {} vertices overwound{} in the map\n",
-               args_.mesh, c.flipped_triangles, first_few(c.flipped), c.overwound_vertices,
-               first_few(c.overwound));
+    planish::say_flips(args_.mesh, flattening_.certificate);
     if (!blame_) return;
     if (!blame_->features.empty())
       fmt::print(stderr, "planish: {}: they touch the features \"{}\"\n", args_.constraints,
@@ -322,38 +268,6 @@ class FlattenCommand {
     }
   }
 
-  /// A residual against what DESIGN 3.8 allows: met up to 1.
-  static double share_of_allowed(const ConstraintOutcome& c) {
-    constexpr double kDegrees = 1e-7, kLength = 1e-9;
-    return c.residual / (c.degrees ? kDegrees : kLength);
-  }
-
-  void say_constraints() const {
-    const std::vector<ConstraintOutcome>& outcome = flattening_.constraints.outcome;
-    if (!outcome.empty()) {
-      const auto worst = std::max_element(outcome.begin(), outcome.end(), [](const auto& a, const auto& b) {
-        return share_of_allowed(a) < share_of_allowed(b);
-      });
-      const auto met = std::count_if(outcome.begin(), outcome.end(),
-                                     [](const auto& c) { return share_of_allowed(c) <= 1; });
-      fmt::print("{} of {} constraints met, the worst is \"{}\" with residual {:.2e}{}\n", met,
-                 outcome.size(), worst->name, worst->residual, worst->degrees ? " degrees" : "");
-    }
-    if (price_) say_price();
-  }
-
-  /// Constraints whose residual is above what is allowed, or no number.
-  bool say_unmet() const {
-    bool any = false;
-    for (const ConstraintOutcome& c : flattening_.constraints.outcome) {
-      if (share_of_allowed(c) <= 1) continue;
-      any = true;
-      fmt::print(stderr, "planish: {}: constraint \"{}\" is not met, its residual is {:.2e}{}\n", args_.mesh,
-                 c.name, c.residual, c.degrees ? " degrees" : "");
-    }
-    return any;
-  }
-
   void say_price() const {
     fmt::print("arap {:.6e} with all constraints, {:.6e} without any, {:.6e} without refit of directions\n",
                price_->energy, price_->unconstrained, price_->without_refit);
@@ -364,18 +278,6 @@ class FlattenCommand {
         fmt::print("  {:<30} cannot be left out: {}\n", item.name, item.reason);
       }
     }
-  }
-
-  /// Lines whose vertices do not follow one another any more.
-  bool say_disorder() const {
-    bool any = false;
-    for (const ConstraintOutcome& c : flattening_.constraints.outcome) {
-      if (c.keeps_order) continue;
-      any = true;
-      fmt::print(stderr, "planish: {}: the vertices of \"{}\" lost their order along the line\n", args_.mesh,
-                 c.name);
-    }
-    return any;
   }
 
   void say_not_converged() const {

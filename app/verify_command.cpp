@@ -23,13 +23,6 @@ struct Files {
   std::optional<ConstraintSet> set;
 };
 
-/// What readers left out may be the parameterization that is missed.
-Failure no_parameterization(const Mesh& mesh) {
-  Error error{.code = ErrorCode::NoParameterization, .what = "the mesh has no uv"};
-  for (const std::string& warning : mesh.warnings) error.also += (error.also.empty() ? "" : ", ") + warning;
-  return fail(error);
-}
-
 Result<Files> read_files(const Exec& exec, const VerifyArgs& args) {
   if (!args.constraints.empty() && args.report.empty())
     return fail(ErrorCode::BadUsage,
@@ -37,7 +30,7 @@ Result<Files> read_files(const Exec& exec, const VerifyArgs& args) {
   auto mesh = read_mesh(exec, args.mesh);
   if (!mesh) return fail(in_file(mesh.error(), args.mesh));
   if (mesh->num_triangles() > 0 && mesh->uv_sets.empty())
-    return fail(in_file(no_parameterization(*mesh).value(), args.mesh));
+    return fail(in_file(no_parameterization(*mesh), args.mesh));
   Files files;
   files.mesh = std::move(*mesh);
   if (!args.report.empty()) {

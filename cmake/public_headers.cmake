@@ -6,6 +6,7 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   kernels/base/radix.hpp
   engine/exec/parallel.hpp
   engine/model/constraint.hpp
+  engine/model/deformation.hpp
   engine/model/embedding.hpp
   engine/model/error.hpp
   engine/model/feature.hpp
@@ -20,6 +21,8 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   engine/sample/panels.hpp
   engine/blame.hpp
   engine/cut.hpp
+  engine/deform.hpp
+  engine/edit.hpp
   engine/embed.hpp
   engine/features/parted.hpp
   engine/flatten.hpp
@@ -31,6 +34,7 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   io/file.hpp
   io/mesh_files.hpp
   io/picture.hpp
+  io/picture_pair.hpp
   io/placed_feature.hpp
   io/report_json.hpp
   io/report_read.hpp

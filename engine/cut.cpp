@@ -1,8 +1,10 @@
 #include "engine/cut.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 
+#include "engine/features/feature_error.hpp"
 #include "engine/features/one_ring.hpp"
 #include "engine/prepare/cut.hpp"
 #include "engine/prepare/cut_graph.hpp"
@@ -65,12 +67,13 @@ Result<void> check_opened(const Topology& topology, const CutSurface& opened,
 }
 
 Result<Cut> cut_open(const Exec& exec, const Surface& surface, const std::vector<Feature>& features,
-                     const std::vector<std::string>& seams, CutMode mode) {
+                     const std::vector<std::string>& seams, CutMode mode, In<Vec2> corner_uv = {}) {
   if (auto checked = check_manifold(exec, surface); !checked) return fail(checked.error());
   const Topology topology = build_topology(exec, surface);
   const auto seam = seam_corners(surface, topology, features, seams);
   if (!seam) return fail(seam.error());
   std::vector<Index> corners;
+  if (!corner_uv.empty()) corners = torn_half_edges(topology.corner_twin, corner_uv);
   for (const std::vector<Index>& c : *seam) corners.insert(corners.end(), c.begin(), c.end());
   CutSurface opened = open_along(exec, surface, topology, corners);
   if (auto done = check_opened(topology, opened, *seam, seams); !done) return fail(done.error());
@@ -93,6 +96,20 @@ Result<Cut> cut_open(const Exec& exec, const Surface& surface, const std::vector
   return result;
 }
 
+Result<void> check_uv(const Surface& surface, In<Vec2> corner_uv) {
+  if (corner_uv.size() != surface.corner_vertex.size())
+    return fail(ErrorCode::BadUsage, "there must be one uv a corner of each triangle");
+  OffendingIds bad;
+  for (Index t = 0; t < surface.num_triangles(); ++t) {
+    const auto is_finite = [](Vec2 z) { return std::isfinite(z.x) && std::isfinite(z.y); };
+    if (!std::ranges::all_of(corner_uv.subspan(3 * static_cast<std::size_t>(t), 3), is_finite)) bad.add(t);
+  }
+  if (bad.empty()) return {};
+  Error error{.code = ErrorCode::NonFinitePosition,
+              .what = std::to_string(bad.count()) + " triangles have a uv that is not a finite number"};
+  return fail(bad.of(std::move(error), ElementKind::Triangle));
+}
+
 }  // namespace
 
 Result<Cut> cut(const Surface& surface, const std::vector<Feature>& features,
@@ -100,6 +117,24 @@ Result<Cut> cut(const Surface& surface, const std::vector<Feature>& features,
   if (options.threads < 0) return fail(ErrorCode::BadUsage, "threads must not be negative");
   try {
     return cut_open(Exec(options.threads), surface, features, seams, options.mode);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::OutOfMemory,
+                "not enough memory to cut " + std::to_string(surface.num_triangles()) + " triangles open");
+  }
+}
+
+Result<OpenedMap> cut_where_torn(const Surface& surface, In<Vec2> corner_uv,
+                                 const std::vector<Feature>& features, const std::vector<std::string>& seams,
+                                 int threads) {
+  if (threads < 0) return fail(ErrorCode::BadUsage, "threads must not be negative");
+  if (auto checked = check_uv(surface, corner_uv); !checked) return fail(checked.error());
+  try {
+    auto opened = cut_open(Exec(threads), surface, features, seams, CutMode::None, corner_uv);
+    if (!opened) return fail(opened.error());
+    OpenedMap map{.cut = std::move(*opened), .uv = {}};
+    map.uv.resize(map.cut.position.size());
+    for (std::size_t c = 0; c < corner_uv.size(); ++c) map.uv[map.cut.corner_vertex[c]] = corner_uv[c];
+    return map;
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::OutOfMemory,
                 "not enough memory to cut " + std::to_string(surface.num_triangles()) + " triangles open");

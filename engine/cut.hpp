@@ -39,4 +39,17 @@ struct Cut {
 Result<Cut> cut(const Surface& surface, const std::vector<Feature>& features,
                 const std::vector<std::string>& seams, const CutOptions& options = {});
 
+/// A surface that was opened where a map of it is torn, and the map: one uv a vertex.
+struct OpenedMap {
+  Cut cut;               ///< no edges where the map is whole and no seams were given
+  std::vector<Vec2> uv;  ///< [V'] 0 0 for unreferenced vertices
+};
+
+/// Opens the surface along the edges whose two triangles have different uv at one of their ends, and along the seams.
+///   corner_uv [3 T]
+/// Fails: as cut(); BadUsage (size of corner_uv); NonFinitePosition (uv), naming triangles.   Cost: O(T log T).
+Result<OpenedMap> cut_where_torn(const Surface& surface, In<Vec2> corner_uv,
+                                 const std::vector<Feature>& features, const std::vector<std::string>& seams,
+                                 int threads = 0);
+
 }  // namespace planish

@@ -85,14 +85,19 @@ ConstraintFacts constraint_facts(const ConstraintSystem& system, const DofMap& d
           .factor_nonzeros = factor_nonzeros};
 }
 
-Certificate measure_map(const Exec& exec, const Workpiece& piece, In<Vec2> uv) {
+Certificate measure_without_overlaps(const Exec& exec, const Workpiece& piece, In<Vec2> uv) {
   const OrderedMesh& mesh = piece.mesh();
   std::vector<RestFrame> frame = piece.geometry.frame;
   for (RestFrame& f : frame) f = {mesh.unit * f.x1, mesh.unit * f.x2, mesh.unit * f.y2};
   Certificate certificate = certify(exec, mesh.surface(), piece.topology(), frame, uv);
   to_input_ids(certificate.flipped, mesh.triangle_origin);
   to_input_ids(certificate.overwound, mesh.vertex_origin);
-  const Overlaps overlaps = find_overlaps(exec, mesh.corner_vertex, uv);
+  return certificate;
+}
+
+Certificate measure_map(const Exec& exec, const Workpiece& piece, In<Vec2> uv) {
+  Certificate certificate = measure_without_overlaps(exec, piece, uv);
+  const Overlaps overlaps = find_overlaps(exec, piece.mesh().corner_vertex, uv);
   certificate.overlapping_pairs = overlaps.pairs;
   certificate.overlap_area_fraction = overlaps.map_area > 0 ? overlaps.common_area / overlaps.map_area : 0;
   return certificate;

@@ -27,6 +27,7 @@ ConstraintFacts constraint_facts(const ConstraintSystem& system, const DofMap& d
 
 /// DESIGN 3.8 but for residuals.   uv [V] of the ordered mesh, mesh units; ids of the result are those of the input
 Certificate measure_map(const Exec& exec, const Workpiece& piece, In<Vec2> uv);
+Certificate measure_without_overlaps(const Exec& exec, const Workpiece& piece, In<Vec2> uv);
 
 /// [input V] from [V] of the ordered mesh; 0 0 for unreferenced vertices.
 std::vector<Vec2> in_input_order(const OrderedMesh& mesh, In<Vec2> uv);

@@ -70,23 +70,8 @@ Result<void> check_input(const Surface& surface, In<Vec2> uv, const Certificate&
   return {};
 }
 
-struct Box {
-  Vec2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
-};
-
-/// Of referenced vertices only: the others lie at 0 0 and are not part of the panel.
-Box bounding_box(In<Index> corner_vertex, In<Vec2> uv) {
-  Box box;
-  for (const Index v : corner_vertex) {
-    box.lower = {std::min(box.lower.x, uv[v].x), std::min(box.lower.y, uv[v].y)};
-    box.upper = {std::max(box.upper.x, uv[v].x), std::max(box.upper.y, uv[v].y)};
-  }
-  if (corner_vertex.empty()) box = {{}, {}};
-  return box;
-}
-
 /// The panel in true aspect, as wide as fits and never higher than leaves 4 times the width for the whole.
-Result<Layout> lay_out(const Box& box, std::size_t num_features, int width) {
+Result<Layout> lay_out(const UvBox& box, std::size_t num_features, int width) {
   Layout layout;
   layout.width = width;
   layout.unit = width / 1600.0;
@@ -215,14 +200,24 @@ void mark_flips(Canvas& canvas, const Layout& layout, In<Index> flipped, In<Inde
 
 }  // namespace
 
+UvBox UvBox::with(In<Index> corner_vertex, In<Vec2> uv) const {
+  UvBox box = *this;
+  for (const Index v : corner_vertex) {
+    box.lower = {std::min(box.lower.x, uv[v].x), std::min(box.lower.y, uv[v].y)};
+    box.upper = {std::max(box.upper.x, uv[v].x), std::max(box.upper.y, uv[v].y)};
+  }
+  return box;
+}
+
 Result<void> write_picture(const Exec& exec, const std::string& path, const Surface& surface, In<Vec2> uv,
                            const Certificate& certificate, const PictureOptions& options) {
   const Result<Canvas::Format> format = check_page(path, options.width);
   if (!format) return fail(format.error());
   if (auto checked = check_input(surface, uv, certificate, options.features); !checked)
     return fail(checked.error());
-  const Result<Layout> laid_out =
-      lay_out(bounding_box(surface.corner_vertex, uv), options.features.size(), options.width);
+  UvBox box = options.window.value_or(UvBox()).with(surface.corner_vertex, uv);
+  if (surface.num_triangles() == 0 && !options.window) box = {{}, {}};
+  const Result<Layout> laid_out = lay_out(box, options.features.size(), options.width);
   if (!laid_out) return fail(laid_out.error());
   const Layout& layout = *laid_out;
   const In<Index> corner_vertex = surface.corner_vertex;
@@ -241,11 +236,12 @@ Result<void> write_picture(const Exec& exec, const std::string& path, const Surf
                 {corner_vertex, point, layout.panel_corner, layout.panel_height, layout.width});
   mark_flips(canvas, layout, certificate.flipped, corner_vertex, point);
   draw_title(canvas, options.title, layout.width - 2 * layout.unit * kMargin, layout.unit);
+  const PanelFigures figures = options.figures.value_or(PanelFigures{surface.num_triangles(), layout.size});
   draw_legend(canvas,
               {.limit = field.limit,
                .certificate = &certificate,
-               .triangles = surface.num_triangles(),
-               .panel_size = layout.size,
+               .triangles = figures.triangles,
+               .panel_size = figures.size,
                .pixels_a_unit = layout.pixels_a_unit},
               layout.legend_top, layout.unit * kMargin, layout.unit);
   draw_list_of(canvas, options.features, {layout.unit * kMargin, layout.list_top},

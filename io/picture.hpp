@@ -1,6 +1,7 @@
 // The flat panel as a picture: colours by stretch with a legend, wireframe, boundary, features, flipped triangles.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "engine/exec/parallel.hpp"
@@ -11,11 +12,26 @@
 
 namespace planish {
 
+/// The smallest box that holds points of the plane; nothing at first.
+struct UvBox {
+  Vec2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
+  /// The box that holds a map's referenced vertices too: the others lie at 0 0 and are not part of it.
+  UvBox with(In<Index> corner_vertex, In<Vec2> uv) const;
+};
+
+/// What the strip under a picture says of the panel, where that is not all that is drawn.
+struct PanelFigures {
+  Index triangles = 0;
+  Vec2 size;  ///< mesh units
+};
+
 struct PictureOptions {
   int width = 1600;  ///< pixels (SVG: user units), 200 to 8000; the height follows the panel, at most 4 times
                      ///< the width
-  std::string title;                ///< shown above the panel
-  In<PlacedFeature> features = {};  ///< shown on the flat panel and listed below it
+  std::string title;                 ///< shown above the panel
+  In<PlacedFeature> features = {};   ///< shown on the flat panel and listed below it
+  std::optional<UvBox> window = {};  ///< what is shown at least; none: the panel
+  std::optional<PanelFigures> figures = {};
 };
 
 /// Writes .svg or .png by extension. The colour of a triangle is the singular value that deviates more from 1

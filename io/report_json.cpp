@@ -187,6 +187,18 @@ void add_constraints(Json& report, const ConstraintFacts& facts) {
                            {"factor_nonzeros", facts.factor_nonzeros}};
 }
 
+void add_deformation(Json& report, const DeformFacts& facts) {
+  report["deformation"] = {{"reference", name(facts.reference)},
+                           {"steps", facts.steps},
+                           {"map_scale", number(facts.map_scale)},
+                           {"mirrored", facts.mirrored},
+                           {"released", facts.released},
+                           {"given_arap", number(facts.given_arap)},
+                           {"given_flipped", facts.given_flipped},
+                           {"largest_displacement", number(facts.largest_displacement)},
+                           {"mean_displacement", number(facts.mean_displacement)}};
+}
+
 void add_price(Json& report, const Price& price) {
   Json items = Json::array();
   for (const ConstraintPrice& item : price.constraints) {
@@ -242,6 +254,7 @@ std::string report_json(const Flattening& flattening, const ReportContext& conte
   if (flattening.constraints.bodies > 0 || !flattening.constraints.outcome.empty())
     add_constraints(report, flattening.constraints);
   if (parts.price != nullptr) add_price(report, *parts.price);
+  if (parts.deformation != nullptr) add_deformation(report, *parts.deformation);
   add_certificate(report, flattening.certificate);
   add_iteration(report, flattening);
   add_flips(report, flattening.removal);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/model/deformation.hpp"
 #include "engine/model/embedding.hpp"
 #include "engine/model/flattening.hpp"
 #include "engine/model/price.hpp"
@@ -31,14 +32,15 @@ struct CutFacts {
   Index charts = 0;       ///< components after the cut
 };
 
-/// What a report of flatten has beside the map, where there is such.
+/// What a report of flatten or deform has beside the map, where there is such.
 struct ReportParts {
   const Embedding* embedding = nullptr;
   const CutFacts* cut = nullptr;
   const Price* price = nullptr;
+  const DeformFacts* deformation = nullptr;
 };
 
-/// Of `flatten`.
+/// Of `flatten` and `deform`.
 std::string report_json(const Flattening& flattening, const ReportContext& context,
                         const ReportParts& parts = {});
 

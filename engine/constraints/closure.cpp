@@ -10,6 +10,12 @@
 namespace planish {
 namespace {
 
+bool runs_backwards(const Poses& poses) {
+  bool any = false;
+  poses.visit_line_edges([&](double length, double, Index, Index) { any |= !(length > 0); });
+  return any;
+}
+
 bool is_collapsed(const Poses& poses) {
   const Index least = poses.smallest();
   return least != kNone && poses.scale(least) < kLeastScale;
@@ -67,11 +73,12 @@ std::vector<Index> with_relations(const std::vector<Index>& constraints, const C
 Result<std::unique_ptr<Poses>> closed_poses(const Compiled& compiled, const ConstraintView& view,
                                             const OrderedMesh& mesh, const Agreement& agreement,
                                             const Assemblies& assemblies, const Clusters& clusters,
-                                            In<double> angle) {
+                                            In<double> angle, In<BodyFit> fit) {
   auto poses = std::make_unique<Poses>(compiled, agreement, assemblies, clusters, angle);
+  if (!fit.empty()) poses->begin_at(fit);
   const auto gap = poses->close();
   if (!gap && !is_collapsed(*poses)) {
-    poses->spread_along_lines();
+    if (fit.empty() || runs_backwards(*poses)) poses->spread_along_lines();
     return poses;
   }
   const std::vector<Index> involved = with_relations(

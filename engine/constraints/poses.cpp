@@ -153,6 +153,42 @@ void Poses::place_over_joints() {
   }
 }
 
+void Poses::begin_at(In<BodyFit> fit) {
+  std::vector<Vec2> direction(value_.size());  // per angle slot, the sum of the directions asked for
+  std::vector<double> scale(value_.size(), 0), bodies(value_.size(), 0);  // per scale slot
+  for (std::size_t b = 0; b < slots_.size(); ++b) {
+    const PoseSlots& s = slots_[b];
+    const Vec2 c = fit[b].factor;
+    if (s.c != kNone) value_[s.c] = c.x, value_[s.c + 1] = c.y;
+    if (s.angle_slot != kNone) direction[s.angle_slot] += unit(argument(c) - s.offset);
+    if (s.scale_slot != kNone) scale[s.scale_slot] += norm(c), bodies[s.scale_slot] += 1;
+    for (std::size_t i = 0; i < s.tau.size(); ++i) {
+      if (s.tau[i] != kNone) value_[s.tau[i]] = fit[b].along[i];
+    }
+  }
+  for (std::size_t slot = 0; slot < value_.size(); ++slot) {
+    if (dot(direction[slot], direction[slot]) > 0) value_[slot] = argument(direction[slot]);
+    if (bodies[slot] > 0) value_[slot] = scale[slot] / bodies[slot];
+  }
+  // Positions: against the body of the assembly that has no slots for its own.
+  const auto position = [&](std::size_t b) {
+    const std::vector<double>& along = fit[b].along;
+    const double middle =
+        along.empty() ? 0
+                      : std::accumulate(along.begin(), along.end(), 0.0) / static_cast<double>(along.size());
+    return fit[b].centroid - middle * factor(static_cast<Index>(b));
+  };
+  std::vector<Vec2> origin(assemblies_->size());
+  for (std::size_t b = 0; b < slots_.size(); ++b) {
+    if (slots_[b].p == kNone) origin[assemblies_->of[b]] = position(b);
+  }
+  for (std::size_t b = 0; b < slots_.size(); ++b) {
+    if (slots_[b].p == kNone) continue;
+    const Vec2 p = position(b) - origin[assemblies_->of[b]];
+    value_[slots_[b].p] = p.x, value_[slots_[b].p + 1] = p.y;
+  }
+}
+
 void Poses::group_slots() {
   DisjointSets sets(num_slots());
   std::vector<Index> first_slot(agreement_->joints.size(), kNone);

@@ -40,6 +40,14 @@ struct PoseSlots {
       tau;  ///< of a line with free lengths: the place of each vertex along it, kNone of the first
 };
 
+/// Where a body is to lie, as far as what ties it to others allows.
+struct BodyFit {
+  Vec2 centroid;      ///< of its vertices
+  Vec2 factor{1, 0};  ///< c of z = p + c t
+  std::vector<double>
+      along;  ///< of a line with free lengths: place of each vertex along it, that of the first as given
+};
+
 /// A free scale below has no size worth the name (DESIGN 3.4).
 inline constexpr double kLeastScale = 1e-3;
 
@@ -60,6 +68,11 @@ class Poses {
   ~Poses();
   Poses(const Poses&) = delete;
   Poses& operator=(const Poses&) = delete;
+
+  /// Poses near to wanted ones: directions that a cluster shares are turned to their mean, by equal and opposite angles where
+  /// there are two, scales of a group to their mean; each body about its centroid. Joints are not met yet.
+  ///   fit [bodies]
+  void begin_at(In<BodyFit> fit);
 
   /// Meets the joints by Newton steps of least change from the present poses on. A gap where they cannot be met.
   /// Cost: cubic in the slots that joints tie together.

@@ -150,6 +150,18 @@ Result<void> ConstraintSystem::mirror(Index body) {
   return settle();
 }
 
+Result<void> ConstraintSystem::move_pin(Index vertex, Vec2 uv) {
+  bool found = false;
+  for (Pin& pin : compiled_.pins) {
+    if (view_.origin_of(rest_.mesh->vertex_origin[pin.vertex]) != vertex) continue;
+    pin.uv = uv;
+    found = true;
+  }
+  if (!found) return fail(ErrorCode::BadUsage, "vertex " + std::to_string(vertex) + " has no pin");
+  orientation_.parted.clear();
+  return settle();
+}
+
 Result<void> ConstraintSystem::check_scales(const Poses& poses) const {
   const Index least = poses.smallest();
   if (least == kNone || poses.scale(least) >= kLeastScale) return {};

@@ -31,6 +31,19 @@ class ConstraintSystem {
   /// The same without pins, oriented alike: where the map would lie by itself.
   Result<std::unique_ptr<ConstraintSystem>> without_pins() const;
   const std::vector<Pin>& pins() const { return compiled_.pins; }
+  /// To another place; directions are to be found anew.   vertex: as pins name it;  uv: units of the ordered mesh
+  /// Fails: BadUsage (no such pin); ConstraintsConflict (pins that their shape cannot take).
+  Result<void> move_pin(Index vertex, Vec2 uv);
+
+  /// In place of orient(): directions, and the sides of templates that the surface leaves open, as they suit a given map
+  /// best. Returns by how much each component of the map is to be turned so that directions against the u axis and between
+  /// components are met, radians.
+  ///   uv [V] units of the ordered mesh
+  /// Fails: ConstraintsConflict (angles that do not add up).
+  Result<std::vector<double>> orient_at(In<Vec2> uv);
+  /// Poses that meet all joints, near to where the templates fit a map best.   Pre: orient_at().
+  /// Fails: ConstraintsConflict where joints do not close, or shapes fold triangles.
+  Result<std::unique_ptr<Poses>> poses_at(In<Vec2> uv) const;
 
   /// DOF maps from the start; frozen: directions stay as the first rotations have them.
   /// Fails: ConstraintsConflict where joints do not close.
@@ -48,6 +61,9 @@ class ConstraintSystem {
   const Compiled& compiled() const { return compiled_; }
   const Assemblies& assemblies() const { return assemblies_; }
   const Orientation& orientation() const { return orientation_; }
+  const Agreement& agreement() const { return agreement_; }
+  /// Which body decides the place of each feature vertex.
+  const std::vector<Owner>& owners() const { return owners_; }
   /// Lays an open template the other way round; directions are to be found anew.
   Result<void> mirror(Index body);
 
@@ -61,6 +77,8 @@ class ConstraintSystem {
   Result<void> orient_once(const Exec& exec, const StartInput& input, Init init);
   void part_joints();
   bool half_turn_is_free(Index component) const;
+  void choose_sides_at(In<Vec2> uv);
+  Result<std::vector<PartedJoint>> nearly_closed_at(In<BodyFit> fit) const;
   ConstraintOutcome outcome_of_body(const Body& body, Index number, In<Vec2> uv) const;
   ConstraintOutcome outcome_of_relation(std::size_t number, In<Vec2> uv) const;
   ConstraintOutcome outcome_of_pins(Index constraint, In<Vec2> uv) const;

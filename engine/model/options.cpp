@@ -40,4 +40,12 @@ const char* name(Overlapping overlapping) {
   return "";
 }
 
+const char* name(Reference reference) {
+  switch (reference) {
+    case Reference::Surface: return "surface";
+    case Reference::Parameterization: return "parameterization";
+  }
+  return "";
+}
+
 }  // namespace planish

@@ -52,4 +52,26 @@ struct FlattenOptions {
   int threads = 0;               ///< 0: the arena of the calling thread
 };
 
+/// What a map's triangles are compared with when it is deformed (DESIGN 3.7).
+enum class Reference {
+  Surface,           ///< triangles in space
+  Parameterization,  ///< the map as it was given
+};
+
+const char* name(Reference reference);
+
+struct EditOptions {
+  Reference reference = Reference::Surface;
+  int threads = 0;  ///< 0: the arena of the calling thread
+};
+
+/// Of one solve of an edited map.
+struct SolveOptions {
+  int steps = 1;  ///< the constrained elements go their way in so many steps, >= 1; the rest follows each
+  Energy energy = Energy::Arap;
+  Flips flips = Flips::Untangle;  ///< Untangle or Keep
+  double tolerance = 1e-6;        ///< of the gradient (DESIGN 3.5), > 0
+  int max_iterations = 500;       ///< local/global and Newton steps of the last step, >= 0
+};
+
 }  // namespace planish

@@ -126,4 +126,15 @@ CutSurface open_along(const Exec& exec, const Surface& surface, const Topology& 
   return opened;
 }
 
+std::vector<Index> torn_half_edges(In<Index> twin, In<Vec2> corner_uv) {
+  std::vector<Index> torn;
+  for (Index c = 0; c < static_cast<Index>(twin.size()); ++c) {
+    const Index other = twin[c];
+    if (other < c) continue;  // also on the boundary
+    if (corner_uv[c] != corner_uv[next_corner(other)] || corner_uv[next_corner(c)] != corner_uv[other])
+      torn.push_back(c);
+  }
+  return torn;
+}
+
 }  // namespace planish

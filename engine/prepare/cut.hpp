@@ -26,4 +26,8 @@ struct CutSurface {
 CutSurface open_along(const Exec& exec, const Surface& surface, const Topology& topology,
                       In<Index> cut_corner);
 
+/// Where a map is torn: a half-edge of each edge whose two triangles have different uv at one of its ends.
+///   twin [3 T];  corner_uv [3 T]
+std::vector<Index> torn_half_edges(In<Index> twin, In<Vec2> corner_uv);
+
 }  // namespace planish

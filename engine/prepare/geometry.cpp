@@ -6,7 +6,10 @@
 namespace planish {
 
 Geometry measure_geometry(const Exec& exec, const PreparedMesh& prepared) {
-  const OrderedMesh& mesh = prepared.mesh;
+  return measure_geometry(exec, prepared.mesh.surface(), prepared.topology);
+}
+
+Geometry measure_geometry(const Exec& exec, const Surface& mesh, const Topology& topology) {
   const Index num_triangles = mesh.num_triangles();
   Geometry geometry;
   geometry.frame.resize(num_triangles);
@@ -23,7 +26,7 @@ Geometry measure_geometry(const Exec& exec, const PreparedMesh& prepared) {
   });
   geometry.angle_sum.resize(mesh.num_vertices());
   exec.for_blocks(mesh.num_vertices(), kBlock, [&](Index, Range r) {
-    angle_sums(r, angle, prepared.topology.stars(), prepared.topology.star_corner, geometry.angle_sum);
+    angle_sums(r, angle, topology.stars(), topology.star_corner, geometry.angle_sum);
   });
   return geometry;
 }

@@ -22,6 +22,8 @@ struct Geometry {
   }
 };
 Geometry measure_geometry(const Exec& exec, const PreparedMesh& prepared);
+/// The same of other positions of the mesh.
+Geometry measure_geometry(const Exec& exec, const Surface& surface, const Topology& topology);
 
 /// Component of each vertex [V].
 std::vector<Index> vertex_components(const Topology& topology, Index num_vertices);

@@ -102,7 +102,7 @@ class Iteration {
 
   /// The same once bodies have turned far.
   Result<void> keep_fresh() {
-    if (!problem_.constrained || dof_->poses()->turned() <= kStaleTurn) return {};
+    if (dof_->poses() == nullptr || dof_->poses()->turned() <= kStaleTurn) return {};
     dof_->rebase(x_);
     if (auto refreshed = refresh(); !refreshed) return refreshed;
     return resume();

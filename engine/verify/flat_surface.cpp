@@ -26,18 +26,6 @@ UsedPart used_part(const Surface& surface) {
   return part;
 }
 
-/// One half-edge of each torn edge.
-std::vector<Index> torn_half_edges(In<Index> twin, In<Vec2> corner_uv) {
-  std::vector<Index> torn;
-  for (Index c = 0; c < static_cast<Index>(twin.size()); ++c) {
-    const Index other = twin[c];
-    if (other < c) continue;  // also on the boundary
-    if (corner_uv[c] != corner_uv[next_corner(other)] || corner_uv[next_corner(c)] != corner_uv[other])
-      torn.push_back(c);
-  }
-  return torn;
-}
-
 }  // namespace
 
 FlatSurface open_where_torn(const Exec& exec, const Surface& surface, In<Vec2> corner_uv) {

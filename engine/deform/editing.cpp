@@ -1,0 +1,166 @@
+#include "engine/deform/editing.hpp"
+
+#include <algorithm>
+
+#include "engine/flatten_steps.hpp"
+
+namespace planish {
+namespace {
+
+Placement then(const Placement& first, const Placement& second) {
+  return {second.p + multiply(second.c, first.p), multiply(second.c, first.c)};
+}
+
+Placement inverse(const Placement& isometry) {
+  return {-multiply(conjugate(isometry.c), isometry.p), conjugate(isometry.c)};
+}
+
+}  // namespace
+
+void Editing::add_time(Phase phase, double seconds) {
+  for (StepTime& time : solved_.timings) {
+    if (time.step != name(phase)) continue;
+    time.seconds += seconds;
+    return;
+  }
+  solved_.timings.push_back({name(phase), seconds});
+}
+
+Result<void> Editing::begin(const Surface& surface, In<Vec2> uv, const Monitor& monitor) {
+  solved_.threads = exec_.threads();
+  auto checked = timed(Phase::Check, monitor, [&]() -> Result<void> {
+    auto piece = make_workpiece(exec_, surface);
+    if (!piece) return fail(piece.error());
+    piece_ = std::move(*piece);
+    auto map = take_map(piece_, uv);
+    if (!map) return fail(map.error());
+    given_ = std::move(*map);
+    if (options_.reference == Reference::Surface) return {};
+    auto geometry = geometry_of_map(exec_, piece_, given_.uv);
+    if (!geometry) return fail(geometry.error());
+    reference_.emplace(std::move(*geometry));
+    return {};
+  });
+  if (!checked) return checked;
+  piece_.outer_loop = outer_loops(topology());
+  uv_ = aligned_ = given_.uv;
+  motion_.resize(topology().num_components);
+  find_held();
+  return timed(Phase::Order, monitor, [&]() -> Result<void> {
+    auto order = fill_reducing_order(piece_.whole_laplacian(exec_));
+    if (!order) return fail(order.error());
+    piece_.order = std::move(*order);
+    return {};
+  });
+}
+
+Result<void> Editing::constrain(const Constraints& constraints, const Monitor& monitor) {
+  return timed(Phase::Compile, monitor, [&] { return compile(constraints, monitor); }).and_then([&] {
+    return timed(Phase::Start, monitor, [&] { return place(); });
+  });
+}
+
+Result<void> Editing::compile(const Constraints& constraints, const Monitor& monitor) {
+  system_.reset();
+  placed_.reset();
+  set_ = constraints.set == nullptr ? ConstraintSet{} : *constraints.set;
+  features_ = features_in_order(mesh(), constraints.features);
+  vertex_origin_.assign(constraints.vertex_origin.begin(), constraints.vertex_origin.end());
+  piece_.find_loops();
+  auto outer = choose_outer(piece_, features_, set_.outer);
+  if (!outer) return fail(outer.error());
+  piece_.outer_loop = std::move(*outer);
+  if (set_.constraints.empty()) return {};
+  view_ = {&set_, features_, vertex_origin_};
+  auto system = ConstraintSystem::make(
+      piece_.rest(), view_,
+      [&](const Surface& region) { return map_region(region, options_.threads, monitor); }, piece_.component);
+  if (!system) return fail(system.error());
+  system_ = std::move(*system);
+  return {};
+}
+
+Result<void> Editing::move_pin(Index vertex, Vec2 uv) {
+  if (!system_) return fail(ErrorCode::BadUsage, "there are no constraints, so no pin to move");
+  auto moved = system_->move_pin(vertex, (1 / mesh().unit) * uv);
+  return moved ? timed(Phase::Start, {}, [&] { return place(); }) : moved;
+}
+
+/// Components move as pins and directions ask, then each constrained element goes where it lies nearest.
+Result<void> Editing::place() {
+  const Index num_components = topology().num_components;
+  std::vector<Placement> motion(num_components);
+  std::vector<Vec2> map = given_.uv;
+  if (system_) {
+    const std::vector<Pin>& pins = system_->pins();
+    motion = onto_pins(pins, piece_.component, num_components, map);
+    move_components(motion, piece_.component, map);
+    auto by = system_->orient_at(map);
+    if (!by) return fail(by.error());
+    std::vector<Index> count(num_components, 0);
+    for (const Pin& pin : pins) ++count[piece_.component[pin.vertex]];
+    for (Index k = 0; k < num_components; ++k) {
+      if (count[k] > 1) (*by)[k] = 0;  // how it is turned is for its pins to say
+    }
+    const std::vector<Placement> turned = turns(*by, pins, piece_.component, map);
+    move_components(turned, piece_.component, map);
+    for (Index k = 0; k < num_components; ++k) motion[k] = then(motion[k], turned[k]);
+    auto placed = place_features(*system_, map);
+    if (!placed) return fail(placed.error());
+    placed_.emplace(std::move(*placed));
+    if (auto scales = system_->check_scales(*placed_->poses); !scales) return scales;
+  }
+  align(std::move(motion));
+  aligned_ = std::move(map);
+  find_held();
+  return {};
+}
+
+/// The map as it is now goes along with its components.
+void Editing::align(std::vector<Placement> motion) {
+  std::vector<Placement> change;
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    const bool same = motion[k].c == motion_[k].c && motion[k].p == motion_[k].p;
+    change.push_back(same ? Placement{} : then(inverse(motion_[k]), motion[k]));
+  }
+  move_components(change, piece_.component, uv_);
+  motion_ = std::move(motion);
+}
+
+/// Feature vertices, pins, and one vertex of each component without any.
+void Editing::find_held() {
+  const Index num_vertices = mesh().num_vertices();
+  nodes_ = {};
+  alone_.clear();
+  nodes_.fixed.assign(num_vertices, 0);
+  nodes_.num_nodes = num_vertices;
+  if (system_) {
+    for (const Owner& owner : system_->owners()) nodes_.fixed[owner.vertex] = 1;
+    for (const Pin& pin : system_->pins()) nodes_.fixed[pin.vertex] = 1;
+  }
+  std::vector<std::uint8_t> settled(topology().num_components, 0);
+  for (Index v = 0; v < num_vertices; ++v) settled[piece_.component[v]] |= nodes_.fixed[v];
+  for (Index v = 0; v < num_vertices; ++v) {
+    if (settled[piece_.component[v]]) continue;
+    settled[piece_.component[v]] = 1;
+    nodes_.fixed[v] = 1;
+    alone_.push_back(v);
+  }
+  nodes_.node.resize(num_vertices);
+  for (Index v = 0; v < num_vertices; ++v) nodes_.node[v] = nodes_.fixed[v] ? kNone : v;
+}
+
+/// Where the same vertices are held as before, the factor stays.
+Result<void> Editing::factor() {
+  if (global_ && factored_for_ == nodes_.fixed) return {};
+  auto global = GlobalPhase::factor(
+      quotient_laplacian(exec_, mesh().corner_vertex, topology(), nodes_.node, nodes_.num_nodes,
+                         [&](Index c) { return rest().edge_weight(topology(), c); }),
+      piece_.order);
+  if (!global) return fail(global.error());
+  global_.emplace(std::move(*global));
+  factored_for_ = nodes_.fixed;
+  return {};
+}
+
+}  // namespace planish

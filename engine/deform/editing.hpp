@@ -1,0 +1,91 @@
+// What a map editor keeps between its calls.
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+#include "engine/deform/given_map.hpp"
+#include "engine/deform/placed_features.hpp"
+#include "engine/edit.hpp"
+
+namespace planish {
+
+class Editing {
+ public:
+  explicit Editing(const EditOptions& options) : options_(options), exec_(options.threads) {}
+
+  Result<void> begin(const Surface& surface, In<Vec2> uv, const Monitor& monitor);
+  Result<void> constrain(const Constraints& constraints, const Monitor& monitor);
+  Result<void> move_pin(Index vertex, Vec2 uv);
+  Result<void> solve(const SolveOptions& options, const Monitor& monitor, const StepSink& sink);
+  /// The map as it is now, as a step.
+  DeformStep snapshot(int step) const;
+  /// From [V] of the ordered mesh, its units, to the input's vertices, mesh units.
+  std::vector<Vec2> in_input_order(In<Vec2> uv) const;
+  In<Vec2> uv() const { return uv_; }
+  In<Vec2> aligned() const { return aligned_; }
+  Deformation measure();
+
+ private:
+  /// Announces a step and times it; several of one name add up.
+  template <class Step>
+  Result<void> timed(Phase phase, const Monitor& monitor, Step step) {
+    if (monitor && monitor({.phase = phase}) == Verdict::Stop)
+      return fail(ErrorCode::Cancelled, "stopped by the caller");
+    const auto begin = std::chrono::steady_clock::now();
+    Result<void> done = step();
+    add_time(phase, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    return done;
+  }
+  void add_time(Phase phase, double seconds);
+
+  Result<void> compile(const Constraints& constraints, const Monitor& monitor);
+  Result<void> place();
+  void align(std::vector<Placement> motion);
+  void find_held();
+  Result<void> factor();
+
+  Result<void> go_on(const SolveOptions& options, const Monitor& monitor, const StepSink& sink);
+  Result<void> minimise(const SolveOptions& options, const Monitor& monitor, bool last);
+  Result<void> remove_faults(const ArapProblem& arap, const FlattenOptions& options, const Monitor& monitor,
+                             Minimum& minimum);
+  Result<void> release(const FlattenOptions& options, const Monitor& monitor, Minimum& minimum);
+  void keep(Minimum minimum);
+  void settle_gauge();
+  ArapProblem problem(GlobalPhase& global, const NodeMap& nodes, DofMap& dof, In<Vec2> rotation) const;
+  std::vector<Vec2> closest_rotations() const;
+  std::vector<std::uint8_t> components_that_turn() const;
+  std::vector<Vec2> in_mesh_units(In<Vec2> uv) const;
+  DeformFacts facts(In<Vec2> map) const;
+
+  const Geometry& rest() const { return reference_ ? *reference_ : piece_.geometry; }
+  const OrderedMesh& mesh() const { return piece_.mesh(); }
+  const Topology& topology() const { return piece_.topology(); }
+
+  EditOptions options_;
+  Exec exec_;
+  Workpiece piece_;
+  GivenMap given_;
+  std::optional<Geometry> reference_;  // of the map, where that is the reference
+
+  ConstraintSet set_;
+  std::vector<Feature> features_;  // in the numbers of the ordered mesh
+  std::vector<Index> vertex_origin_;
+  ConstraintView view_;
+  std::unique_ptr<ConstraintSystem> system_;  // none without constraints
+
+  std::vector<Vec2> aligned_;      // [V] the given map, components moved as pins and directions ask
+  std::vector<Placement> motion_;  // by which they were, per component
+  std::optional<PlacedFeatures> placed_;
+  NodeMap nodes_;                           // all feature vertices and pins held
+  std::vector<Index> alone_;                // held in components that have neither
+  std::vector<std::uint8_t> factored_for_;  // [V] what was held when the factor was made
+  std::optional<GlobalPhase> global_;
+
+  std::vector<Vec2> uv_;  // [V] where the map is
+  SolveOptions last_;     // of the last solve, and what came of it
+  Flattening solved_;
+  bool released_ = false;
+};
+
+}  // namespace planish
