@@ -200,10 +200,12 @@ class DeformCommand {
     if (facts.mirrored > 0)
       warnings_.push_back(fmt::format(
           "{} charts of the given map lay with their back up, and were turned over", facts.mirrored));
-    if (facts.released)
-      warnings_.push_back(
-          "with the features where they lie nearest to the given map triangles stayed flipped, so the "
-          "features were moved to where the whole is least distorted");
+    const std::string held =
+        "with the features where they lie nearest to the given map triangles stayed flipped, so ";
+    if (facts.release == Release::Features)
+      warnings_.push_back(held + "the features were moved to where the whole is least distorted");
+    if (facts.release == Release::Map)
+      warnings_.push_back(held + "the whole was flattened anew, and laid onto the given map");
   }
 
   /// With the file at fault.

@@ -192,7 +192,7 @@ void add_deformation(Json& report, const DeformFacts& facts) {
                            {"steps", facts.steps},
                            {"map_scale", number(facts.map_scale)},
                            {"mirrored", facts.mirrored},
-                           {"released", facts.released},
+                           {"release", name(facts.release)},
                            {"given_arap", number(facts.given_arap)},
                            {"given_flipped", facts.given_flipped},
                            {"largest_displacement", number(facts.largest_displacement)},

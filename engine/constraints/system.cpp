@@ -115,13 +115,17 @@ Result<std::unique_ptr<DofMap>> ConstraintSystem::dof_map(bool frozen) const {
     auto checked = check_pinned_triangles(rest_, view_, compiled_, owners_, assemblies_, **poses);
     if (!checked) return fail(checked.error());
   }
+  return dof_map(std::move(*poses), frozen);
+}
+
+std::unique_ptr<DofMap> ConstraintSystem::dof_map(std::unique_ptr<Poses> poses, bool frozen) const {
   if (frozen) {
     auto still =
-        std::make_unique<Poses>(compiled_, agreement_, assemblies_, (*poses)->frozen(), orientation_.angle);
-    still->adopt(**poses);
-    *poses = std::move(still);
+        std::make_unique<Poses>(compiled_, agreement_, assemblies_, poses->frozen(), orientation_.angle);
+    still->adopt(*poses);
+    poses = std::move(still);
   }
-  return std::make_unique<DofMap>(nodes_, owners_, assemblies_, std::move(*poses));
+  return std::make_unique<DofMap>(nodes_, owners_, assemblies_, std::move(poses));
 }
 
 std::vector<std::uint8_t> ConstraintSystem::triangles_at_features() const {

@@ -48,6 +48,8 @@ class ConstraintSystem {
   /// DOF maps from the start; frozen: directions stay as the first rotations have them.
   /// Fails: ConstraintsConflict where joints do not close.
   Result<std::unique_ptr<DofMap>> dof_map(bool frozen) const;
+  /// The same from given poses, closed.
+  std::unique_ptr<DofMap> dof_map(std::unique_ptr<Poses> poses, bool frozen) const;
 
   /// [T] 1 for triangles that have an edge of a feature or belong to a region: the paper's local phase leaves them.
   std::vector<std::uint8_t> triangles_at_features() const;

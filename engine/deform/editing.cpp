@@ -72,12 +72,16 @@ Result<void> Editing::compile(const Constraints& constraints, const Monitor& mon
   piece_.outer_loop = std::move(*outer);
   if (set_.constraints.empty()) return {};
   view_ = {&set_, features_, vertex_origin_};
-  auto system = ConstraintSystem::make(
-      piece_.rest(), view_,
-      [&](const Surface& region) { return map_region(region, options_.threads, monitor); }, piece_.component);
+  auto system = compiled_system(monitor);
   if (!system) return fail(system.error());
   system_ = std::move(*system);
   return {};
+}
+
+Result<std::unique_ptr<ConstraintSystem>> Editing::compiled_system(const Monitor& monitor) const {
+  return ConstraintSystem::make(
+      piece_.rest(), view_,
+      [&](const Surface& region) { return map_region(region, options_.threads, monitor); }, piece_.component);
 }
 
 Result<void> Editing::move_pin(Index vertex, Vec2 uv) {
@@ -153,14 +157,16 @@ void Editing::find_held() {
 /// Where the same vertices are held as before, the factor stays.
 Result<void> Editing::factor() {
   if (global_ && factored_for_ == nodes_.fixed) return {};
-  auto global = GlobalPhase::factor(
-      quotient_laplacian(exec_, mesh().corner_vertex, topology(), nodes_.node, nodes_.num_nodes,
-                         [&](Index c) { return rest().edge_weight(topology(), c); }),
-      piece_.order);
+  auto global = GlobalPhase::factor(laplacian_over(nodes_), piece_.order);
   if (!global) return fail(global.error());
   global_.emplace(std::move(*global));
   factored_for_ = nodes_.fixed;
   return {};
+}
+
+SymmetricMatrix Editing::laplacian_over(const NodeMap& nodes) const {
+  return quotient_laplacian(exec_, mesh().corner_vertex, topology(), nodes.node, nodes.num_nodes,
+                            [&](Index c) { return rest().edge_weight(topology(), c); });
 }
 
 }  // namespace planish

@@ -44,17 +44,28 @@ class Editing {
   void align(std::vector<Placement> motion);
   void find_held();
   Result<void> factor();
+  SymmetricMatrix laplacian_over(const NodeMap& nodes) const;
 
   Result<void> go_on(const SolveOptions& options, const Monitor& monitor, const StepSink& sink);
-  Result<void> minimise(const SolveOptions& options, const Monitor& monitor, bool last);
-  Result<void> remove_faults(const ArapProblem& arap, const FlattenOptions& options, const Monitor& monitor,
-                             Minimum& minimum);
-  Result<void> release(const FlattenOptions& options, const Monitor& monitor, Minimum& minimum);
+  Result<Minimum> follow(const SolveOptions& options, const Monitor& monitor,
+                         const std::function<Result<void>(int)>& say_step);
+  Result<Minimum> minimise(const SolveOptions& options, const Monitor& monitor, bool last);
+  Result<Minimum> lower(const ArapProblem& arap, const FlattenOptions& options, const Monitor& monitor,
+                        bool mending);
+  FlattenOptions flatten_options(const SolveOptions& options) const;
+
+  Result<Minimum> let_go(Minimum held, const SolveOptions& options, const Monitor& monitor);
+  Result<Minimum> release(const SolveOptions& options, const Monitor& monitor);
+  Result<Minimum> start_anew(const SolveOptions& options, const Monitor& monitor);
+  Result<std::unique_ptr<ConstraintSystem>> compiled_system(const Monitor& monitor) const;
+  Offset faults(In<Vec2> uv) const;
+  void move_back(Out<Vec2> uv) const;
   void keep(Minimum minimum);
   void settle_gauge();
   ArapProblem problem(GlobalPhase& global, const NodeMap& nodes, DofMap& dof, In<Vec2> rotation) const;
   std::vector<Vec2> closest_rotations() const;
   std::vector<std::uint8_t> components_that_turn() const;
+  std::vector<std::uint8_t> components_that_turn_released() const;
   std::vector<Vec2> in_mesh_units(In<Vec2> uv) const;
   DeformFacts facts(In<Vec2> map) const;
 
@@ -85,7 +96,7 @@ class Editing {
   std::vector<Vec2> uv_;  // [V] where the map is
   SolveOptions last_;     // of the last solve, and what came of it
   Flattening solved_;
-  bool released_ = false;
+  Release release_ = Release::None;
 };
 
 }  // namespace planish

@@ -26,7 +26,7 @@ DeformFacts Editing::facts(In<Vec2> map) const {
                     .steps = last_.steps,
                     .map_scale = given_.scale,
                     .mirrored = given_.num_mirrored,
-                    .released = released_};
+                    .release = release_};
   const std::vector<Vec2> given = in_mesh_units(aligned_);
   const Certificate before = measure_without_overlaps(exec_, piece_, given);
   facts.given_arap = before.arap;

@@ -14,17 +14,17 @@ namespace {
 constexpr double kWayTolerance = 1e-3;
 constexpr int kWayIterations = 20;
 
-FlattenOptions options_of(const SolveOptions& options, int threads) {
+}  // namespace
+
+FlattenOptions Editing::flatten_options(const SolveOptions& options) const {
   FlattenOptions result;
   result.energy = options.energy;
   result.flips = options.flips;
   result.tolerance = options.tolerance;
   result.max_iterations = options.max_iterations;
-  result.threads = threads;
+  result.threads = options_.threads;
   return result;
 }
-
-}  // namespace
 
 Result<void> Editing::solve(const SolveOptions& options, const Monitor& monitor, const StepSink& sink) {
   const std::vector<Vec2> before = uv_;
@@ -35,91 +35,70 @@ Result<void> Editing::solve(const SolveOptions& options, const Monitor& monitor,
 
 Result<void> Editing::go_on(const SolveOptions& options, const Monitor& monitor, const StepSink& sink) {
   last_ = options;
-  solved_.history.clear();
-  released_ = false;
   if (auto factored = timed(Phase::Start, monitor, [&] { return factor(); }); !factored) return factored;
-  std::optional<FeatureMotion> motion;
-  if (system_) motion.emplace(*system_, *placed_, uv_);
+  const std::vector<Vec2> start = uv_;
   const auto say_step = [&](int step) { return sink ? sink(snapshot(step)) : Result<void>(); };
   if (auto taken = say_step(0); !taken) return taken;
-  for (int step = 1; step <= options.steps; ++step) {
+  release_ = Release::None;
+  auto minimum = follow(options, monitor, say_step);
+  const bool has_features = system_ && !system_->compiled().bodies.empty();
+  if (minimum && options.flips == Flips::Untangle && !minimum->injective && has_features) {
+    uv_ = start;
+    minimum = let_go(std::move(*minimum), options, monitor);
+  }
+  if (!minimum) return fail(minimum.error());
+  keep(std::move(*minimum));
+  settle_gauge();
+  return say_step(options.steps);
+}
+
+/// From where the map is, step by step, all but the last one told.
+Result<Minimum> Editing::follow(const SolveOptions& options, const Monitor& monitor,
+                                const std::function<Result<void>(int)>& say_step) {
+  std::optional<FeatureMotion> motion;
+  if (system_) motion.emplace(*system_, *placed_, uv_);
+  for (int step = 1;; ++step) {
     nodes_.place.clear();
     if (motion) nodes_.place = motion->at(static_cast<double>(step) / options.steps);
     for (const Index v : alone_) nodes_.place.emplace_back(v, uv_[v]);
-    if (auto done = minimise(options, monitor, step == options.steps); !done) return done;
-    if (step == options.steps) settle_gauge();
-    if (auto taken = say_step(step); !taken) return taken;
+    const bool last = step == options.steps;
+    auto minimum = minimise(options, monitor, last);
+    if (!minimum || last) return minimum;
+    uv_ = std::move(minimum->uv);
+    if (auto taken = say_step(step); !taken) return fail(taken.error());
   }
-  return {};
 }
 
-Result<void> Editing::minimise(const SolveOptions& options, const Monitor& monitor, bool last) {
+/// With what is held where it is to be.
+Result<Minimum> Editing::minimise(const SolveOptions& options, const Monitor& monitor, bool last) {
   const std::vector<Vec2> rotation = closest_rotations();
   DofMap dof(nodes_);
   const ArapProblem arap = problem(*global_, nodes_, dof, rotation);
-  FlattenOptions chosen = options_of(options, options_.threads);
+  FlattenOptions chosen = flatten_options(options);
   if (!last) {
     chosen.tolerance = std::max(chosen.tolerance, kWayTolerance);
     chosen.max_iterations = std::min(chosen.max_iterations, kWayIterations);
   }
-  const bool remove = last && options.flips == Flips::Untangle;
+  return lower(arap, chosen, monitor, last && options.flips == Flips::Untangle);
+}
+
+/// Local/global, and where asked for the removal of flips and the descent without them.
+Result<Minimum> Editing::lower(const ArapProblem& arap, const FlattenOptions& options, const Monitor& monitor,
+                               bool mending) {
   Minimum minimum;
-  auto found = timed(Phase::LocalGlobal, monitor, [&]() -> Result<void> {
-    auto result = minimise_arap(exec_, arap, chosen, monitor, remove ? Watch::Injectivity : Watch::None);
+  auto done = timed(Phase::LocalGlobal, monitor, [&]() -> Result<void> {
+    auto result = minimise_arap(exec_, arap, options, monitor, mending ? Watch::Injectivity : Watch::None);
     if (!result) return fail(result.error());
     minimum = std::move(*result);
     return {};
   });
-  if (found && remove) found = remove_faults(arap, chosen, monitor, minimum);
-  if (!found) return found;
-  keep(std::move(minimum));
-  return {};
-}
-
-Result<void> Editing::remove_faults(const ArapProblem& arap, const FlattenOptions& options,
-                                    const Monitor& monitor, Minimum& minimum) {
-  auto done =
-      timed(Phase::Untangle, monitor, [&] { return remove_flips(exec_, arap, options, monitor, minimum); });
-  if (done && !minimum.injective && system_ && !system_->compiled().bodies.empty())
-    return release(options, monitor, minimum);
-  if (!done) return done;
-  return timed(Phase::Polish, monitor, [&] { return polish(exec_, arap, options, monitor, minimum); });
-}
-
-/// Features as unknowns, as flatten has them, from where they were held.
-Result<void> Editing::release(const FlattenOptions& options, const Monitor& monitor, Minimum& minimum) {
-  auto poses = system_->poses_at(aligned_);
-  if (!poses) return fail(poses.error());
-  const NodeMap& nodes = system_->nodes();
-  DofMap dof(nodes, system_->owners(), system_->assemblies(), std::move(*poses));
-  auto global = GlobalPhase::factor(
-      quotient_laplacian(exec_, mesh().corner_vertex, topology(), nodes.node, nodes.num_nodes,
-                         [&](Index c) { return rest().edge_weight(topology(), c); }),
-      piece_.order);
-  if (!global) return fail(global.error());
-
-  // What this DOF map holds lies at 0, so components move there and back.
-  std::vector<Vec2> origin(topology().num_components);
-  for (Index v = 0; v < mesh().num_vertices(); ++v) {
-    if (nodes.node[v] == kNone) origin[piece_.component[v]] = minimum.uv[v];
-  }
-  for (const Owner& owner : system_->owners()) {
-    const Index assembly = system_->assemblies().of[owner.body];
-    if (nodes.assembly_node[assembly] == kNone)
-      origin[piece_.component[owner.vertex]] = placed_->shift[assembly];
-  }
-  for (const Pin& pin : system_->pins()) origin[piece_.component[pin.vertex]] = {};
-  for (Index v = 0; v < mesh().num_vertices(); ++v) minimum.uv[v] += -origin[piece_.component[v]];
-
-  const std::vector<Vec2> rotation = closest_rotations();
-  const ArapProblem arap = problem(*global, nodes, dof, rotation);
-  auto done =
-      timed(Phase::Untangle, monitor, [&] { return remove_flips(exec_, arap, options, monitor, minimum); });
-  if (done)
+  if (done && mending)
+    done =
+        timed(Phase::Untangle, monitor, [&] { return remove_flips(exec_, arap, options, monitor, minimum); });
+  if (done && mending)
     done = timed(Phase::Polish, monitor, [&] { return polish(exec_, arap, options, monitor, minimum); });
-  for (Index v = 0; v < mesh().num_vertices(); ++v) minimum.uv[v] += origin[piece_.component[v]];
-  released_ = true;
-  return done ? system_->check_scales(*dof.poses()) : done;
+  if (!done) return fail(done.error());
+  return minimum;
 }
 
 void Editing::keep(Minimum minimum) {
@@ -134,11 +113,10 @@ void Editing::keep(Minimum minimum) {
 
 /// What nothing ties to a place lies as near to the given map as it can.
 void Editing::settle_gauge() {
-  std::vector<Index> held(topology().num_components, 0);
-  for (Index v = 0; v < mesh().num_vertices(); ++v) held[piece_.component[v]] += nodes_.fixed[v];
-  std::vector<std::uint8_t> loose(held.size(), 0);
-  for (std::size_t k = 0; k < held.size(); ++k) loose[k] = held[k] == 1;
-  std::vector<Placement> motion = onto_map(loose, piece_.component, uv_, aligned_);
+  const std::vector<std::uint8_t> loose = components_that_turn();
+  std::vector<Freedom> freedom;
+  for (const std::uint8_t turns : loose) freedom.push_back(turns ? Freedom::Isometry : Freedom::None);
+  std::vector<Placement> motion = onto_map(freedom, piece_.component, uv_, aligned_);
   if (system_) {
     for (const Pin& pin : system_->pins()) {
       const Index k = piece_.component[pin.vertex];

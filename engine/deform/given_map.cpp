@@ -49,24 +49,6 @@ void mirror_components(In<std::uint8_t> mirrored, In<Index> vertex_component, Ou
   }
 }
 
-/// Isometries about the means of pairs of points, gathered point by point.
-class IsometryFits {
- public:
-  IsometryFits(std::vector<Vec2> from_mean, std::vector<Vec2> to_mean)
-      : from_mean_(std::move(from_mean)), to_mean_(std::move(to_mean)), product_(from_mean_.size()) {}
-  void add(Index k, Vec2 from, Vec2 to) {
-    product_[k] += multiply(conjugate(from - from_mean_[k]), to - to_mean_[k]);
-  }
-  Placement of(Index k) const {
-    const double length = norm(product_[k]);
-    const Vec2 c = length > 0 ? (1 / length) * product_[k] : Vec2{1, 0};
-    return {to_mean_[k] - multiply(c, from_mean_[k]), c};
-  }
-
- private:
-  std::vector<Vec2> from_mean_, to_mean_, product_;
-};
-
 }  // namespace
 
 Result<GivenMap> take_map(const Workpiece& piece, In<Vec2> uv) {
@@ -154,15 +136,21 @@ void move_components(In<Placement> motion, In<Index> vertex_component, Out<Vec2>
   }
 }
 
-std::vector<Placement> onto_map(In<std::uint8_t> wanted, In<Index> vertex_component, In<Vec2> from,
-                                In<Vec2> to) {
-  const auto num_components = static_cast<Index>(wanted.size());
-  IsometryFits fits(component_means(vertex_component, num_components, from),
-                    component_means(vertex_component, num_components, to));
-  for (std::size_t v = 0; v < from.size(); ++v) fits.add(vertex_component[v], from[v], to[v]);
+std::vector<Placement> onto_map(In<Freedom> freedom, In<Index> vertex_component, In<Vec2> from, In<Vec2> to) {
+  const auto num_components = static_cast<Index>(freedom.size());
+  const std::vector<Vec2> from_mean = component_means(vertex_component, num_components, from),
+                          to_mean = component_means(vertex_component, num_components, to);
+  std::vector<Vec2> product(num_components);
+  for (std::size_t v = 0; v < from.size(); ++v) {
+    const Index k = vertex_component[v];
+    product[k] += multiply(conjugate(from[v] - from_mean[k]), to[v] - to_mean[k]);
+  }
   std::vector<Placement> motion(num_components);
   for (Index k = 0; k < num_components; ++k) {
-    if (wanted[k]) motion[k] = fits.of(k);
+    if (freedom[k] == Freedom::None) continue;
+    const double length = norm(product[k]);
+    if (freedom[k] == Freedom::Isometry && length > 0) motion[k].c = (1 / length) * product[k];
+    motion[k].p = to_mean[k] - multiply(motion[k].c, from_mean[k]);
   }
   return motion;
 }

@@ -35,8 +35,10 @@ std::vector<Placement> turns(In<double> by, In<Pin> pins, In<Index> vertex_compo
 /// z -> p + c z, each vertex with its component.
 void move_components(In<Placement> motion, In<Index> vertex_component, Out<Vec2> uv);
 
-/// The isometry of each component that takes one map nearest to another; of components not asked for, none.
-std::vector<Placement> onto_map(In<std::uint8_t> wanted, In<Index> vertex_component, In<Vec2> from,
-                                In<Vec2> to);
+/// How a component may be moved.
+enum class Freedom { None, Shift, Isometry };
+
+/// What takes each component of one map nearest to another one.   freedom [components]
+std::vector<Placement> onto_map(In<Freedom> freedom, In<Index> vertex_component, In<Vec2> from, In<Vec2> to);
 
 }  // namespace planish

@@ -6,14 +6,23 @@
 
 namespace planish {
 
+/// What was done with constrained elements where triangles stay flipped as long as they are held.
+enum class Release {
+  None,      ///< nothing: they lie where they lie nearest to the given map
+  Features,  ///< they were moved to where the whole is least distorted
+  Map,       ///< the whole was flattened anew, and laid onto the given map
+};
+
+const char* name(Release release);
+
 /// How a given map was deformed, beside the result itself.
 struct DeformFacts {
   Reference reference = Reference::Surface;
   int steps = 1;
-  double map_scale = 1;   ///< what the given map was multiplied with to come to mesh units
-  Index mirrored = 0;     ///< components that lay with their back up, and were turned over
-  bool released = false;  ///< features left the places nearest to the given map, because flips remained there
-  double given_arap = 0;  ///< of the given map in mesh units, per rest area
+  double map_scale = 1;  ///< what the given map was multiplied with to come to mesh units
+  Index mirrored = 0;    ///< components that lay with their back up, and were turned over
+  Release release = Release::None;
+  double given_arap = 0;     ///< of the given map in mesh units, per rest area
   Offset given_flipped = 0;  ///< triangles with det J <= 0 in it
   /// How far vertices lie from the given map, once its components were moved onto pins and directions; mesh units.
   double largest_displacement = 0, mean_displacement = 0;

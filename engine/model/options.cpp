@@ -1,5 +1,6 @@
 #include "engine/model/options.hpp"
 
+#include "engine/model/deformation.hpp"
 #include "engine/model/flattening.hpp"
 
 namespace planish {
@@ -44,6 +45,15 @@ const char* name(Reference reference) {
   switch (reference) {
     case Reference::Surface: return "surface";
     case Reference::Parameterization: return "parameterization";
+  }
+  return "";
+}
+
+const char* name(Release release) {
+  switch (release) {
+    case Release::None: return "none";
+    case Release::Features: return "features";
+    case Release::Map: return "map";
   }
   return "";
 }
