@@ -7,6 +7,7 @@
 
 #include "engine/constraints/constrained_start.hpp"
 #include "engine/flatten_steps.hpp"
+#include "engine/near_constraints.hpp"
 #include "engine/prepare/connection.hpp"
 #include "engine/solve/flip_free.hpp"
 #include "engine/solve/gauge.hpp"
@@ -194,7 +195,7 @@ class Run {
       done = timed(Phase::Untangle, [&] { return remove_flips(exec_, arap, options_, monitor_, minimum); });
       global_.reset();
       if (done) done = timed(Phase::Polish, [&] { return polish(exec_, arap, options_, monitor_, minimum); });
-      if (done && options_.overlaps == Overlapping::Remove)
+      if (done && overlapping(options_) == Overlapping::Remove)
         done = timed(Phase::Separate, [&] { return separate(arap, minimum); });
     }
     if (!done) return done;
@@ -207,15 +208,31 @@ class Run {
     result_.removal = minimum.removal;
     result_.removal.method = options_.paper ? Flips::Weights : options_.flips;
     result_.overlaps = minimum.overlaps;
-    result_.overlaps.method = options_.overlaps;
+    result_.overlaps.method = overlapping(options_);
     return system_ ? system_->check_scales(*start_.last().poses()) : Result<void>();
   }
 
   Result<void> separate(const ArapProblem& arap, Minimum& minimum) {
     OverlapFreeStarts starts{.first_map = [&] { return first_map(arap); }};
     if (!system_) starts.convex_map = arap.last_resort;
-    starts.unconstrained_map = [this] { return unconstrained_map(); };
-    return remove_overlaps(exec_, arap, starts, options_, monitor_, minimum);
+    if (system_) starts.near_constraints = [this] { return near_constraints(); };
+    auto done = remove_overlaps(exec_, arap, starts, options_, monitor_, minimum);
+    if (minimum.overlaps.start != OverlapRemoval::Start::Unconstrained) return done;
+    start_.first.reset();
+    start_.free = std::move(near_dof_);  // the features lie as it has them
+    system_ = std::move(near_system_);
+    return done;
+  }
+
+  /// The map without constraints, moved so that features in their shapes lie where they fit it best.
+  Result<OverlapFreeStarts::NearConstraints> near_constraints() {
+    auto map = unconstrained_map();
+    if (!map) return fail(map.error());
+    near_system_ = std::make_unique<ConstraintSystem>(*system_);
+    auto near = planish::near_constraints(piece_, *near_system_, std::move(*map));
+    if (!near) return fail(near.error());
+    near_dof_ = std::move(near->dof);
+    return OverlapFreeStarts::NearConstraints{std::move(near->uv), std::move(near->place), near_dof_.get()};
   }
 
   /// In the units and the order of the mesh here.
@@ -308,6 +325,8 @@ class Run {
   SymmetricMatrix laplacian_;
   std::optional<GlobalPhase> global_;
   ConstrainedStart start_;
+  std::unique_ptr<ConstraintSystem> near_system_;  // oriented at the map without constraints
+  std::unique_ptr<DofMap> near_dof_;
   std::vector<Vec2> uv_;  // [V] of the ordered mesh
   Flattening result_;
   ConstraintPlan plan_;
@@ -323,7 +342,7 @@ Result<void> check_options(const FlattenOptions& options) {
         "symmetric-dirichlet is infinite where triangles are flipped: it needs flips to be untangled");
   if (options.paper && (options.flips == Flips::Keep || options.flips == Flips::Stiffening))
     return fail(ErrorCode::BadUsage, "the paper's variant has its own procedure against flips, weights");
-  if (options.overlaps == Overlapping::Remove && (options.paper || options.flips != Flips::Untangle))
+  if (overlapping(options) == Overlapping::Remove && (options.paper || options.flips != Flips::Untangle))
     return fail(ErrorCode::BadUsage,
                 "overlaps are removed from maps without flips: that needs flips to be untangled");
   return {};

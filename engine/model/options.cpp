@@ -41,6 +41,11 @@ const char* name(Overlapping overlapping) {
   return "";
 }
 
+Overlapping overlapping(const FlattenOptions& options) {
+  const bool untangled = options.flips == Flips::Untangle && !options.paper;
+  return options.overlaps.value_or(untangled ? Overlapping::Remove : Overlapping::Report);
+}
+
 const char* name(Reference reference) {
   switch (reference) {
     case Reference::Surface: return "surface";

@@ -124,6 +124,12 @@ std::vector<std::array<Index, 3>> BoundaryBarrier::near(In<Vec2> uv) const {
   return triples;
 }
 
+bool BoundaryBarrier::is_clear_way(In<Vec2> from, In<Vec2> to) const {
+  std::vector<Vec2> way(from.size());
+  for (std::size_t v = 0; v < way.size(); ++v) way[v] = to[v] - from[v];
+  return first_contact(from, way, 1) == kInfinity;
+}
+
 double BoundaryBarrier::first_contact(In<Vec2> uv, In<Vec2> direction, double most) const {
   const auto n = static_cast<Index>(tail_.size());
   std::vector<Box2> vertex_box(n), edge_box(n);

@@ -30,6 +30,9 @@ class BoundaryBarrier {
   /// Cost: O(B log B) in the boundary edges, and those whose ways meet.
   double first_contact(In<Vec2> uv, In<Vec2> direction, double most) const;
 
+  /// No vertex reaches an edge on the straight ways from one map to another.
+  bool is_clear_way(In<Vec2> from, In<Vec2> to) const;
+
  private:
   struct Pair {
     Index vertex, edge;

@@ -9,11 +9,6 @@
 namespace planish {
 namespace {
 
-MapDensity density_of(const FlattenOptions& options) {
-  return {.kind =
-              options.energy == Energy::Arap ? MapDensity::Kind::Arap : MapDensity::Kind::SymmetricDirichlet};
-}
-
 class FlipRemover {
  public:
   FlipRemover(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options,

@@ -2,8 +2,15 @@
 #pragma once
 
 #include "engine/solve/driver.hpp"
+#include "engine/solve/map_energy.hpp"
 
 namespace planish {
+
+/// What is lowered among maps without flips.
+inline MapDensity density_of(const FlattenOptions& options) {
+  return {.kind =
+              options.energy == Energy::Arap ? MapDensity::Kind::Arap : MapDensity::Kind::SymmetricDirichlet};
+}
 
 /// From where local/global steps ended (Watch::Injectivity) to a map without flips: first in patches around them, features
 /// held, then of the whole with all that is free. Where vertices stay overwound, again from the very first map: what later

@@ -110,9 +110,20 @@ void NewtonMap::move_to(std::vector<Vec2> x) {
 double NewtonMap::evaluate_at(std::vector<Vec2>& x, std::vector<Vec2>& force) {
   double energy = measure_.evaluate(density_, vertices(x), vertices(force));
   if (barrier_) energy += barrier_->add_forces(vertices(x), vertices(force));
+  energy += add_pull(vertices(x), vertices(force));
   if (!dof_) return energy;
   dof_->fold(force);
   return energy + add_line_edges(force);
+}
+
+double NewtonMap::add_pull(In<Vec2> uv, Out<Vec2> force) const {
+  double energy = 0;
+  for (const auto& [v, place] : places_) {
+    const Vec2 arm = uv[v] - place;
+    energy += stiffness_ * dot(arm, arm);
+    force[v] += stiffness_ * arm;
+  }
+  return energy;
 }
 
 double NewtonMap::add_line_edges(std::vector<Vec2>& force) const {
@@ -164,7 +175,11 @@ std::vector<HessianElement> NewtonMap::contacts(bool& pattern_is_new) {
 
 Result<void> NewtonMap::factor(double lift) {
   bool pattern_is_new = false;
-  const std::vector<HessianElement> further = contacts(pattern_is_new);
+  std::vector<HessianElement> further = contacts(pattern_is_new);
+  for (const auto& [v, place] : places_) {
+    further.push_back({{v, v, v}, {}});
+    further.back().block[0][0] = {stiffness_, 0, 0, stiffness_};
+  }
   if (pattern_is_new) global_.reset();
   SymmetricMatrix hessian = reduced_hessian(exec_, mesh_, unknowns_, density_, projection_, uv(), further);
   if (lift > 0) {

@@ -43,6 +43,12 @@ class NewtonMap {
   bool advance();
   /// From now on the boundary does not cross itself: its barrier is part of the energy. barrier: outlives the map, or null.
   void keep_apart(const BoundaryBarrier* barrier) { barrier_ = barrier; }
+  /// From the next lower() on stiffness times the squared distances of vertices from places is part of the energy. Free
+  /// vertices alone; the places outlive the map.
+  void pull(In<std::pair<Index, Vec2>> places, double stiffness) {
+    places_ = places;
+    stiffness_ = stiffness;
+  }
 
  private:
   bool keeps_positive() const { return density_.kind != MapDensity::Kind::Untangling; }
@@ -53,6 +59,7 @@ class NewtonMap {
   Result<void> factor(double lift);
   void bound_length();
   std::vector<HessianElement> contacts(bool& pattern_is_new);
+  double add_pull(In<Vec2> uv, Out<Vec2> force) const;
   void solve();
   void renew_moves();
 
@@ -68,6 +75,8 @@ class NewtonMap {
   double energy_ = 0, force_times_direction_ = 0, length_ = 1;
   double projection_ = 1;
   const BoundaryBarrier* barrier_ = nullptr;
+  In<std::pair<Index, Vec2>> places_;
+  double stiffness_ = 0;
   std::vector<std::array<Index, 3>> coupled_;  // by the barrier, in the matrix that was analysed
 };
 

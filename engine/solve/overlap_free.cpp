@@ -1,5 +1,7 @@
 #include "engine/solve/overlap_free.hpp"
 
+#include <numeric>
+
 #include "engine/solve/boundary_barrier.hpp"
 #include "engine/solve/convex_start.hpp"
 #include "engine/solve/flip_free.hpp"
@@ -40,6 +42,8 @@ class OverlapRemover {
       removal.start = OverlapRemoval::Start::FirstMap;
     } else if (starts_.convex_map) {
       if (auto begun = begin_convex(); !begun) return begun;
+    } else if (starts_.near_constraints) {
+      if (auto begun = begin_near_constraints(); !begun) return begun;
     }
     if (removal.start == OverlapRemoval::Start::None) return {};
     const int steps_before = minimum_.removal.newton_steps;
@@ -70,6 +74,54 @@ class OverlapRemover {
     minimum_.uv = std::move(*uv);
     minimum_.overlaps.start = OverlapRemoval::Start::ConvexMap;
     return {};
+  }
+
+  /// A map without constraints, features pulled to where constraints want them.
+  Result<void> begin_near_constraints() {
+    auto near = starts_.near_constraints();
+    if (!near) {
+      // Constraints that cannot be met near this map may well be met elsewhere.
+      return near.error().code == ErrorCode::ConstraintsConflict ? Result<void>() : fail(near.error());
+    }
+    if (pairs(near->uv) > 0) return {};
+    NodeMap nodes{.node = std::vector<Index>(near->uv.size()),
+                  .fixed = {},
+                  .place = {},
+                  .assembly_node = {},
+                  .num_nodes = problem_.energy.num_vertices()};
+    std::iota(nodes.node.begin(), nodes.node.end(), 0);
+    nodes.fixed = held_elsewhere(near->place);
+    for (std::size_t v = 0; v < nodes.fixed.size(); ++v) {
+      if (nodes.fixed[v]) nodes.node[v] = kNone;
+    }
+    DofMap free(nodes);
+    ArapProblem unconstrained = problem_;
+    unconstrained.dof = &free;
+    unconstrained.energy.fixed = nodes.fixed;
+    unconstrained.turns_freely.assign(problem_.num_components, 0);
+    auto uv = pull_into_place(exec_, unconstrained, density_of(options_), near->place, monitor_, near->uv,
+                              minimum_.overlaps.newton_steps);
+    if (!uv) return fail(uv.error());
+    if (!*uv) return {};
+    problem_.dof = near->dof;
+    std::vector<Vec2> x = **uv;
+    x.resize(problem_.dof->size());
+    problem_.dof->collect(x);
+    if (!problem_.dof->expand(x)) return {};
+    x.resize(near->uv.size());
+    if (!is_free(x)) return {};
+    minimum_.uv = std::move(x);
+    minimum_.overlaps.start = OverlapRemoval::Start::Unconstrained;
+    return {};
+  }
+
+  /// [V] the held vertices of components none of whose vertices is pulled.
+  std::vector<std::uint8_t> held_elsewhere(In<VertexPlace> places) const {
+    std::vector<std::uint8_t> pulled(problem_.num_components, 0);
+    for (const auto& [v, place] : places) pulled[problem_.vertex_component[v]] = 1;
+    std::vector<std::uint8_t> held(problem_.energy.fixed.begin(), problem_.energy.fixed.end());
+    for (std::size_t v = 0; v < held.size(); ++v) held[v] &= !pulled[problem_.vertex_component[v]];
+    return held;
   }
 
   Result<void> descend(const FlattenOptions& options) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/solve/driver.hpp"
+#include "engine/solve/pulled_start.hpp"
 
 namespace planish {
 
@@ -11,8 +12,14 @@ struct OverlapFreeStarts {
   std::function<Result<std::vector<Vec2>>()> first_map;
   /// Without constraints: a map of any shape that has neither flips nor overlaps.
   std::function<Result<std::vector<Vec2>>()> convex_map = {};
-  /// With constraints: the surface's map without them, kept from overlaps.
-  std::function<Result<std::vector<Vec2>>()> unconstrained_map = {};
+  /// With constraints: a map without them that is free of overlaps, where their features are to lie in it, and the DOF map
+  /// whose poses put them there.
+  struct NearConstraints {
+    std::vector<Vec2> uv;
+    std::vector<VertexPlace> place;
+    DofMap* dof = nullptr;
+  };
+  std::function<Result<NearConstraints>()> near_constraints = {};
 };
 
 /// Takes a map of the same energy that is free of flips and overlaps down to its minimum among such maps: Newton steps of the

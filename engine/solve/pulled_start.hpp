@@ -1,0 +1,24 @@
+// From a map without constraints to one that meets them, never crossing itself on the way.
+#pragma once
+
+#include <optional>
+
+#include "engine/solve/driver.hpp"
+#include "engine/solve/map_energy.hpp"
+
+namespace planish {
+
+/// A vertex and its place.
+using VertexPlace = std::pair<Index, Vec2>;
+
+/// Draws vertices to their places, harder and harder, while the rest of the map follows its energy, without flips and, with
+/// problem.barrier, without crossing its own boundary; once they are all but there they are put there.
+///   problem: its dof has no features;  uv [V]: without flips and overlaps
+/// None where they cannot be put there without flips.   Fails: Cancelled, OutOfMemory.
+/// Cost: some tens of Newton steps.
+Result<std::optional<std::vector<Vec2>>> pull_into_place(const Exec& exec, const ArapProblem& problem,
+                                                         const MapDensity& density, In<VertexPlace> places,
+                                                         const Monitor& monitor, std::vector<Vec2> uv,
+                                                         int& steps);
+
+}  // namespace planish
