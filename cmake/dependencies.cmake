@@ -8,15 +8,17 @@ find_package(FastFloat REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(ZLIB REQUIRED)
-find_package(BLAS REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
 
-find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
-find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
-add_library(planish_cholmod INTERFACE)
-target_include_directories(planish_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
-target_link_libraries(planish_cholmod INTERFACE ${CHOLMOD_LIBRARY} BLAS::BLAS)
+# The sparse Cholesky factorization that tests and benchmarks compare with; the library does not link it.
+if(PLANISH_TESTS OR PLANISH_PERF)
+  find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
+  find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
+  add_library(planish_cholmod INTERFACE)
+  target_include_directories(planish_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
+  target_link_libraries(planish_cholmod INTERFACE ${CHOLMOD_LIBRARY})
+endif()
 
 # Embree 4 where there is one, else 3: the source tells them apart by the header that is found.
 find_path(EMBREE_INCLUDE_DIR NAMES embree4/rtcore.h embree3/rtcore.h REQUIRED)
@@ -31,7 +33,7 @@ target_link_libraries(planish_embree INTERFACE ${EMBREE_LIBRARY})
 
 # What the library's objects link to; none of it shows in a public header but tl-expected.
 add_library(planish_third_party INTERFACE)
-target_link_libraries(planish_third_party INTERFACE TBB::tbb planish_cholmod planish_embree ZLIB::ZLIB fmt::fmt PkgConfig::CAIRO
+target_link_libraries(planish_third_party INTERFACE TBB::tbb planish_embree ZLIB::ZLIB fmt::fmt PkgConfig::CAIRO
                                                     ${CMAKE_DL_LIBS})
 if(PLANISH_WITH_CGAL_GPL)
   target_link_libraries(planish_third_party INTERFACE CGAL::CGAL)

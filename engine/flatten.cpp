@@ -111,7 +111,7 @@ class Run {
     return timed(Phase::Order, [&]() -> Result<void> {
       laplacian_ = piece_.laplacian_over(exec_, nodes_);
       // The rotation problem needs an order of all vertices, whatever constraints merge.
-      auto order = fill_reducing_order(system_ ? piece_.whole_laplacian(exec_) : laplacian_);
+      auto order = fill_reducing_order(exec_, system_ ? piece_.whole_laplacian(exec_) : laplacian_);
       if (!order) return fail(order.error());
       piece_.order = std::move(*order);
       return {};
@@ -123,7 +123,7 @@ class Run {
     return timed(Phase::Start, [&]() -> Result<void> {
       Result<void> rotations;
       Result<GlobalPhase> global = fail({});
-      exec_.both([&] { rotations = rotate(); }, [&] { global = piece_.factor(laplacian_); });
+      exec_.both([&] { rotations = rotate(); }, [&] { global = piece_.factor(exec_, laplacian_); });
       if (!rotations) return rotations;
       if (!global) return fail(global.error());
       global_.emplace(std::move(*global));
@@ -247,7 +247,7 @@ class Run {
   }
 
   Result<std::vector<Vec2>> first_map(ArapProblem arap) {
-    auto global = piece_.factor(piece_.laplacian_over(exec_, nodes_));
+    auto global = piece_.factor(exec_, piece_.laplacian_over(exec_, nodes_));
     if (!global) return fail(global.error());
     arap.global = &*global;
     FlattenOptions first = options_;

@@ -42,8 +42,8 @@ SymmetricMatrix Workpiece::whole_laplacian(const Exec& exec) const {
                           [&](Index c) { return edge_weight(c); });
 }
 
-Result<GlobalPhase> Workpiece::factor(const SymmetricMatrix& laplacian) const {
-  return GlobalPhase::factor(laplacian, order);
+Result<GlobalPhase> Workpiece::factor(const Exec& exec, const SymmetricMatrix& laplacian) const {
+  return GlobalPhase::factor(exec, laplacian, order);
 }
 
 ArapProblem Workpiece::problem(GlobalPhase& global, const NodeMap& nodes, DofMap& first, DofMap& dof,

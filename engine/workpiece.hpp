@@ -29,7 +29,7 @@ struct Workpiece {
   SymmetricMatrix laplacian_over(const Exec& exec, const NodeMap& nodes) const;
   SymmetricMatrix whole_laplacian(const Exec& exec) const;
   /// Nodes beyond the vertices are eliminated last.
-  Result<GlobalPhase> factor(const SymmetricMatrix& laplacian) const;
+  Result<GlobalPhase> factor(const Exec& exec, const SymmetricMatrix& laplacian) const;
 
   /// All arguments must outlive the problem, and so must the workpiece.
   ArapProblem problem(GlobalPhase& global, const NodeMap& nodes, DofMap& first, DofMap& dof,

@@ -89,7 +89,7 @@ class Starting {
     if (std::none_of(pins.begin(), pins.end(), [](Index n) { return n > 1; })) return {};
     const auto unpinned = system_.without_pins();
     if (!unpinned) return fail(unpinned.error());
-    auto global = piece_.factor(piece_.laplacian_over(exec_, (*unpinned)->nodes()));
+    auto global = piece_.factor(exec_, piece_.laplacian_over(exec_, (*unpinned)->nodes()));
     if (!global) return fail(global.error());
     const auto map = few_steps(**unpinned, *global, 0);
     if (!map) return fail(map.error());

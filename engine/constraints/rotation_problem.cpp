@@ -29,7 +29,7 @@ Result<RotationProblem> RotationProblem::make(const Exec& exec, const RestSurfac
   problem.laplacian_ = quotient_laplacian(
       exec, sectors.corner_sector, sectors.opened, problem.node_, problem.num_nodes_,
       [&](Index c) { return sectors.opened.corner_twin[c] == kNone ? 0.0 : problem.weight_(c); });
-  auto global = GlobalPhase::factor(problem.laplacian_, sector_order(sectors, input.order));
+  auto global = GlobalPhase::factor(exec, problem.laplacian_, sector_order(sectors, input.order));
   if (!global) return fail(global.error());
   problem.global_.emplace(std::move(*global));
   return problem;

@@ -47,7 +47,7 @@ Result<void> Editing::begin(const Surface& surface, In<Vec2> uv, const Monitor& 
   motion_.resize(topology().num_components);
   find_held();
   return timed(Phase::Order, monitor, [&]() -> Result<void> {
-    auto order = fill_reducing_order(piece_.whole_laplacian(exec_));
+    auto order = fill_reducing_order(exec_, piece_.whole_laplacian(exec_));
     if (!order) return fail(order.error());
     piece_.order = std::move(*order);
     return {};
@@ -157,7 +157,7 @@ void Editing::find_held() {
 /// Where the same vertices are held as before, the factor stays.
 Result<void> Editing::factor() {
   if (global_ && factored_for_ == nodes_.fixed) return {};
-  auto global = GlobalPhase::factor(laplacian_over(nodes_), piece_.order);
+  auto global = GlobalPhase::factor(exec_, laplacian_over(nodes_), piece_.order);
   if (!global) return fail(global.error());
   global_.emplace(std::move(*global));
   factored_for_ = nodes_.fixed;

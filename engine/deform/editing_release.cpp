@@ -53,7 +53,7 @@ Result<Minimum> Editing::release(const SolveOptions& options, const Monitor& mon
   const auto dof = system_->dof_map(std::move(*poses), false),
              still = system_->dof_map(std::move(*same), true);
   if (auto few = check_border(*dof); !few) return fail(few.error());
-  auto global = GlobalPhase::factor(laplacian_over(system_->nodes()), piece_.order);
+  auto global = GlobalPhase::factor(exec_, laplacian_over(system_->nodes()), piece_.order);
   if (!global) return fail(global.error());
   const std::vector<Vec2> rotation = closest_rotations();
   ArapProblem arap = problem(*global, system_->nodes(), *dof, rotation);
@@ -74,7 +74,7 @@ Result<Minimum> Editing::start_anew(const SolveOptions& options, const Monitor& 
   system_ = std::move(*system);
   if (auto oriented = system_->orient(exec_, piece_.start_input(), chosen.init); !oriented)
     return fail(oriented.error());
-  auto global = GlobalPhase::factor(laplacian_over(system_->nodes()), piece_.order);
+  auto global = GlobalPhase::factor(exec_, laplacian_over(system_->nodes()), piece_.order);
   if (!global) return fail(global.error());
   auto start = constrained_start(exec_, piece_, *system_, *global, chosen, monitor);
   if (!start) return fail(start.error());

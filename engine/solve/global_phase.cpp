@@ -1,160 +1,34 @@
 #include "engine/solve/global_phase.hpp"
 
-#include <cholmod.h>
-#include <dlfcn.h>
-
 #include <algorithm>
-#include <mutex>
-#include <string>
+#include <new>
 
+#include "engine/exec/large_array.hpp"
+#include "engine/solve/cholesky_analysis.hpp"
+#include "engine/solve/multifrontal.hpp"
 #include "engine/solve/supernode_tree.hpp"
 
-/// Never called: its address tells which library the matrix products come from. Weak, so that a BLAS with other
-/// names links too.
-extern "C" void dgemm_() __attribute__((weak));
-
 namespace planish {
-namespace {
-
-/// Holds a threaded OpenBLAS to one thread while any factorization runs: its threads would change the order
-/// of sums, and the bits with them. The setting is the process's own, so it is counted by all factorizations
-/// that run at a time. Other BLAS libraries have no such call and need none.
-class OneBlasThread {
- public:
-  OneBlasThread() {
-    const std::lock_guard lock(mutex_);
-    if (holders_++ > 0 || !threads().get || !threads().set) return;
-    before_ = threads().get();
-    threads().set(1);
-  }
-  ~OneBlasThread() {
-    const std::lock_guard lock(mutex_);
-    if (--holders_ == 0 && threads().get && threads().set) threads().set(before_);
-  }
-  OneBlasThread(const OneBlasThread&) = delete;
-  OneBlasThread& operator=(const OneBlasThread&) = delete;
-
- private:
-  struct Threads {
-    void (*set)(int) = nullptr;
-    int (*get)() = nullptr;
-  };
-  static const Threads& threads() {
-    static const Threads found = find();
-    return found;
-  }
-  /// Looked up in the library of the matrix products: where a plugin brought it, the process does not see it.
-  static Threads find() {
-    Dl_info blas{};
-    void* const library = dladdr(reinterpret_cast<void*>(&dgemm_), &blas) != 0
-                              ? dlopen(blas.dli_fname, RTLD_LAZY | RTLD_NOLOAD)
-                              : nullptr;
-    void* const scope = library ? library : RTLD_DEFAULT;
-    const Threads found{reinterpret_cast<void (*)(int)>(dlsym(scope, "openblas_set_num_threads")),
-                        reinterpret_cast<int (*)()>(dlsym(scope, "openblas_get_num_threads"))};
-    if (library) dlclose(library);  // it stays loaded: it was before
-    return found;
-  }
-  static inline std::mutex mutex_;
-  static inline int holders_ = 0;
-  static inline int before_ = 1;
-};
-
-/// CHOLMOD's workspace; never prints.
-struct Common {
-  Common() {
-    cholmod_start(&common);
-    common.print = 0;
-    common.error_handler = nullptr;
-    common.supernodal = CHOLMOD_SUPERNODAL;
-    common.final_super = 1;
-    common.nmethods = 1;
-    common.method[0].ordering = CHOLMOD_GIVEN;
-    common.postorder = 1;
-  }
-  ~Common() { cholmod_finish(&common); }
-  Common(const Common&) = delete;
-  Common& operator=(const Common&) = delete;
-  cholmod_common common{};
-};
-
-/// The matrix as CHOLMOD sees it; our arrays, not copied.
-cholmod_sparse view(const SymmetricMatrix& matrix) {
-  cholmod_sparse sparse{};
-  sparse.nrow = sparse.ncol = static_cast<std::size_t>(matrix.size());
-  sparse.nzmax = matrix.row.size();
-  sparse.p = const_cast<Index*>(matrix.column_begin.data());
-  sparse.i = const_cast<Index*>(matrix.row.data());
-  sparse.x = const_cast<double*>(matrix.value.data());
-  sparse.stype = -1;
-  sparse.itype = CHOLMOD_INT;
-  sparse.xtype = CHOLMOD_REAL;
-  sparse.dtype = CHOLMOD_DOUBLE;
-  sparse.sorted = 1;
-  sparse.packed = 1;
-  return sparse;
-}
-
-/// With the rows beyond the given ones last.
-std::vector<Index> whole_order(In<Index> order, Index size) {
-  std::vector<Index> whole(order.begin(), order.end());
-  for (auto row = static_cast<Index>(order.size()); row < size; ++row) whole.push_back(row);
-  return whole;
-}
-
-Failure out_of_memory(const char* step) {
-  return fail(ErrorCode::OutOfMemory,
-              std::string("not enough memory for the ") + step + " of the sparse factor");
-}
-
-}  // namespace
-
-Result<std::vector<Index>> fill_reducing_order(const SymmetricMatrix& matrix) {
-  // METIS draws from the process's own random numbers, seeded anew by every call: one call at a time.
-  static std::mutex one_at_a_time;
-  const std::lock_guard lock(one_at_a_time);
-  Common cholmod;
-  cholmod_sparse sparse = view(matrix);
-  std::vector<Index> order(matrix.size());
-  if (matrix.size() > 0 && !cholmod_metis(&sparse, nullptr, 0, 1, order.data(), &cholmod.common)) {
-    // METIS takes SIGTERM for itself while it works, and gives up; its input is valid by construction.
-    const bool stopped = cholmod.common.status == CHOLMOD_INVALID;
-    return stopped ? fail(ErrorCode::Cancelled, "stopped by a signal") : out_of_memory("ordering");
-  }
-  return order;
-}
 
 Result<Offset> factor_nonzeros(const SymmetricMatrix& matrix, In<Index> order) {
-  Common cholmod;
-  std::vector<Index> whole = whole_order(order, matrix.size());
-  cholmod_sparse sparse = view(matrix);
-  cholmod_factor* factor = cholmod_analyze_p(&sparse, whole.data(), nullptr, 0, &cholmod.common);
-  if (!factor) return out_of_memory("analysis");
-  const auto nonzeros = static_cast<Offset>(factor->xsize);
-  cholmod_free_factor(&factor, &cholmod.common);
-  return nonzeros;
+  return count_factor(matrix, order);
 }
 
 struct GlobalPhase::Factor {
-  Common cholmod;
-  cholmod_factor* factor = nullptr;
+  CholeskyAnalysis analysis;
+  LargeArray<double> value;
+  LargeArray<float> rounded;
   SupernodeTree tree;
-  std::vector<float> rounded;
-
-  Factor() = default;
-  ~Factor() { cholmod_free_factor(&factor, &cholmod.common); }
-  Factor(const Factor&) = delete;
-  Factor& operator=(const Factor&) = delete;
 
   SupernodalFactor view() const {
-    const auto ints = [](void* p, std::size_t n) { return In<Index>(static_cast<const Index*>(p), n); };
-    return {.super = ints(factor->super, factor->nsuper + 1),
-            .row_begin = ints(factor->pi, factor->nsuper + 1),
-            .row = ints(factor->s, factor->ssize),
-            .value_begin = ints(factor->px, factor->nsuper + 1),
-            .value = static_cast<const double*>(factor->x),
-            .rounded = rounded.empty() ? nullptr : rounded.data(),
-            .permutation = ints(factor->Perm, factor->n)};
+    return {.super = analysis.super,
+            .row_begin = analysis.row_begin,
+            .row = analysis.row,
+            .value_begin = analysis.value_begin,
+            .value = value.data(),
+            .rounded = rounded.data(),
+            .solves = &panel_solves(best_instruction_set()),
+            .permutation = analysis.permutation};
   }
 };
 
@@ -163,48 +37,57 @@ GlobalPhase::GlobalPhase(GlobalPhase&&) noexcept = default;
 GlobalPhase& GlobalPhase::operator=(GlobalPhase&&) noexcept = default;
 GlobalPhase::~GlobalPhase() = default;
 
-Result<GlobalPhase> GlobalPhase::factor(const SymmetricMatrix& matrix, In<Index> order) {
-  auto analysed = std::make_unique<Factor>();
-  cholmod_sparse sparse = planish::view(matrix);
-  std::vector<Index> whole = whole_order(order, matrix.size());
-  analysed->factor = cholmod_analyze_p(&sparse, whole.data(), nullptr, 0, &analysed->cholmod.common);
-  if (!analysed->factor) return out_of_memory("analysis");
-  analysed->tree = SupernodeTree(analysed->view());
-  GlobalPhase result(std::move(analysed));
-  if (auto factored = result.refactor(matrix); !factored) return fail(factored.error());
-  return result;
+namespace {
+
+Failure no_memory() {
+  return fail(ErrorCode::OutOfMemory, "not enough memory for the values of the sparse factor");
 }
 
-Result<void> GlobalPhase::refactor(const SymmetricMatrix& matrix) {
-  cholmod_common& common = factor_->cholmod.common;
-  cholmod_sparse sparse = planish::view(matrix);
-  factor_->rounded = {};
-  const OneBlasThread one_thread;
-  cholmod_factorize(&sparse, factor_->factor, &common);
-  if (common.status == CHOLMOD_OUT_OF_MEMORY) return out_of_memory("values");
-  if (common.status == CHOLMOD_OK) return {};
-  const Index pivot = static_cast<const Index*>(factor_->factor->Perm)[factor_->factor->minor];
+}  // namespace
+
+Result<GlobalPhase> GlobalPhase::factor(const Exec& exec, const SymmetricMatrix& matrix, In<Index> order) {
+  auto analysis = analyse_cholesky(exec, matrix, order);
+  if (!analysis) return fail(analysis.error());
+  try {
+    auto parts = std::make_unique<Factor>();
+    parts->analysis = std::move(*analysis);
+    parts->value = LargeArray<double>(parts->analysis.factor_nonzeros());
+    parts->tree = SupernodeTree(parts->view());
+    GlobalPhase result(std::move(parts));
+    if (auto factored = result.refactor(exec, matrix); !factored) return fail(factored.error());
+    return result;
+  } catch (const std::bad_alloc&) {
+    return no_memory();
+  }
+}
+
+Result<void> GlobalPhase::refactor(const Exec& exec, const SymmetricMatrix& matrix) try {
+  Factor& f = *factor_;
+  f.rounded = {};
+  const Index bad =
+      factor_fronts(exec, f.analysis, dense_kernels(best_instruction_set()), matrix.value, f.value.data());
+  if (bad == kNone) return {};
   return fail(Error{.code = ErrorCode::FactorizationFailed,
                     .what = "the matrix is not positive definite",
                     .place = {},
                     .element = ElementKind::Vertex,
-                    .ids = {pivot},
+                    .ids = {f.analysis.permutation[bad]},
                     .count = 1});
+} catch (const std::bad_alloc&) {
+  return no_memory();
 }
 
 void GlobalPhase::round_to_single(const Exec& exec) {
-  const auto* value = static_cast<const double*>(factor_->factor->x);
-  factor_->rounded.resize(factor_->factor->xsize);
+  Factor& f = *factor_;
+  f.rounded = LargeArray<float>(f.value.size());
   constexpr Index kPart = 1 << 20;
-  const auto num_parts = static_cast<Index>((factor_->rounded.size() + kPart - 1) / kPart);
-  exec.for_tasks(num_parts, [&](Index part) {
-    const std::size_t begin = static_cast<std::size_t>(part) * kPart;
-    const std::size_t end = std::min(begin + kPart, factor_->rounded.size());
-    for (std::size_t k = begin; k < end; ++k) factor_->rounded[k] = static_cast<float>(value[k]);
+  exec.for_tasks(static_cast<Index>((f.value.size() + kPart - 1) / kPart), [&](Index part) {
+    const Offset begin = static_cast<Offset>(part) * kPart, end = std::min(begin + kPart, f.value.size());
+    std::copy(f.value.data() + begin, f.value.data() + end, f.rounded.data() + begin);
   });
 }
 
-bool GlobalPhase::is_rounded() const { return !factor_->rounded.empty(); }
+bool GlobalPhase::is_rounded() const { return factor_->rounded.data() != nullptr; }
 
 void GlobalPhase::solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const {
   if (!rhs.empty()) factor_->tree.solve(exec, factor_->view(), rhs, x);
@@ -265,6 +148,6 @@ std::vector<SparseColumn> GlobalPhase::forward(const Exec& exec, const std::vect
   return result;
 }
 
-Offset GlobalPhase::factor_nonzeros() const { return static_cast<Offset>(factor_->factor->xsize); }
+Offset GlobalPhase::factor_nonzeros() const { return factor_->analysis.factor_nonzeros(); }
 
 }  // namespace planish

@@ -6,30 +6,26 @@
 
 #include "engine/exec/parallel.hpp"
 #include "engine/model/error.hpp"
+#include "engine/solve/fill_reducing_order.hpp"
 #include "engine/solve/supernode_tree.hpp"
 #include "engine/solve/symmetric_matrix.hpp"
 
 namespace planish {
 
-/// Fill-reducing elimination order (nested dissection by METIS); order[k] is the row eliminated k-th.
-/// Fails: OutOfMemory.   Cost: serial, some 3 microseconds a row of a mesh Laplacian.
-Result<std::vector<Index>> fill_reducing_order(const SymmetricMatrix& matrix);
-
 /// Entries that the factor of a matrix of this pattern has, elimination order given (rows beyond it come last). Analysis
 /// only.   Fails: OutOfMemory.
 Result<Offset> factor_nonzeros(const SymmetricMatrix& matrix, In<Index> order);
 
-/// Cholesky factor of a symmetric positive definite matrix (CHOLMOD supernodal; BLAS on one thread, so that
-/// the same matrix gives the same bits), with a solve for two interleaved right-hand sides, parallel over the
-/// elimination tree.
+/// Cholesky factor of a symmetric positive definite matrix, with a solve for two interleaved right-hand sides; all parallel
+/// over the elimination tree, with the same bits for any number of threads.
 class GlobalPhase {
  public:
   /// Symbolic analysis and factorization with a given order; rows beyond it are eliminated last.
   /// Fails: FactorizationFailed naming the row of the bad pivot (as Error::ids); OutOfMemory.
-  static Result<GlobalPhase> factor(const SymmetricMatrix& matrix, In<Index> order);
+  static Result<GlobalPhase> factor(const Exec& exec, const SymmetricMatrix& matrix, In<Index> order);
   /// Factors another matrix of the same pattern; the analysis is kept. After a failure only refactor may be
   /// called. Fails: as factor().
-  Result<void> refactor(const SymmetricMatrix& matrix);
+  Result<void> refactor(const Exec& exec, const SymmetricMatrix& matrix);
 
   /// Keeps a copy of the factor in single precision, which solves read from now on: half the memory traffic. What they solve
   /// with is a matrix that differs from the one given by 1e-7 of its entries, exactly the same in every solve; all else is

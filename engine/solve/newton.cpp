@@ -102,8 +102,8 @@ std::vector<std::uint8_t> NewtonDirections::held_coordinates(In<Vec2> uv) const 
 }
 
 Result<void> NewtonDirections::factor(const SymmetricMatrix& hessian) {
-  if (global_) return global_->refactor(hessian);
-  auto factored = GlobalPhase::factor(hessian, order_);
+  if (global_) return global_->refactor(exec_, hessian);
+  auto factored = GlobalPhase::factor(exec_, hessian, order_);
   if (!factored) return fail(factored.error());
   global_.emplace(std::move(*factored));
   return {};

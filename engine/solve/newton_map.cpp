@@ -186,13 +186,13 @@ Result<void> NewtonMap::factor(double lift) {
     for (Index column = 0; column < hessian.size(); ++column)
       hessian.value[hessian.column_begin[column]] *= 1 + lift;
   }
-  if (global_) return global_->refactor(hessian);
+  if (global_) return global_->refactor(exec_, hessian);
   if (pattern_is_new) {
-    auto order = order_of_unknowns(hessian, unknowns_);
+    auto order = order_of_unknowns(exec_, hessian, unknowns_);
     if (!order) return fail(order.error());
     order_ = std::move(*order);
   }
-  auto factored = GlobalPhase::factor(hessian, order_);
+  auto factored = GlobalPhase::factor(exec_, hessian, order_);
   if (!factored) return fail(factored.error());
   global_.emplace(std::move(*factored));
   return {};

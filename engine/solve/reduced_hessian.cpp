@@ -165,7 +165,7 @@ SymmetricMatrix reduced_hessian(const Exec& exec, const ArapEnergy& mesh, const 
   return matrix;
 }
 
-Result<std::vector<Index>> order_of_unknowns(const SymmetricMatrix& hessian,
+Result<std::vector<Index>> order_of_unknowns(const Exec& exec, const SymmetricMatrix& hessian,
                                              const ReducedUnknowns& unknowns) {
   const Index num_pairs = unknowns.num_pairs();
   SymmetricMatrix pairs;
@@ -178,7 +178,7 @@ Result<std::vector<Index>> order_of_unknowns(const SymmetricMatrix& hessian,
     pairs.column_begin.push_back(static_cast<Index>(pairs.row.size()));
   }
   pairs.value.assign(pairs.row.size(), 0);
-  const auto order = fill_reducing_order(pairs);
+  const auto order = fill_reducing_order(exec, pairs);
   if (!order) return fail(order.error());
   std::vector<Index> unknown;
   for (const Index k : *order) unknown.insert(unknown.end(), {2 * k, 2 * k + 1});

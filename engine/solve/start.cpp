@@ -15,7 +15,7 @@ Result<std::vector<double>> solve_rotation_rows(const Exec& exec, const StartInp
                                                 double& residual) {
   const SymmetricMatrix laplacian = quotient_laplacian(exec, input.corner_vertex, *input.topology,
                                                        rows.vertex_node, rows.num_nodes, weight);
-  auto global = GlobalPhase::factor(laplacian, input.order);
+  auto global = GlobalPhase::factor(exec, laplacian, input.order);
   if (!global) return fail(global.error());
   std::vector<Vec2> x(rows.num_nodes);
   for (Index j = 0; j < rows.num_nodes; ++j) x[j] = {rows.target[j], 0};
@@ -63,8 +63,8 @@ Result<std::vector<Vec2>> harmonic_map(const Exec& exec, const StartInput& input
       }
     }
   });
-  auto global =
-      GlobalPhase::factor(vertex_laplacian(exec, input.corner_vertex, topology, fixed, weight), input.order);
+  auto global = GlobalPhase::factor(
+      exec, vertex_laplacian(exec, input.corner_vertex, topology, fixed, weight), input.order);
   if (!global) return fail(global.error());
   global->solve(exec, rhs, uv);
   return uv;

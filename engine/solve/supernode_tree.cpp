@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/solve/subtrees.hpp"
 #include "kernels/base/offsets.hpp"
 
 namespace planish {
@@ -9,7 +10,7 @@ namespace {
 
 // Tasks of at most this share of the work: enough of them to keep many cores busy, few enough to add up
 // cheaply.
-constexpr double kSubtreeShare = 1.0 / 16;
+constexpr double kSubtreeShare = 1.0 / 16, kLeastSubtree = 2e4;  // entries
 
 Panel panel(const SupernodalFactor& f, Index s) {
   return {f.super[s + 1] - f.super[s], f.row_begin[s + 1] - f.row_begin[s], f.value + f.value_begin[s]};
@@ -48,9 +49,9 @@ void forward_one(const SupernodalFactor& f, Index s, PanelRows& rows, Out<Vec2> 
   load_columns(f, s, y, rows);
   for (Index i = p.columns; i < p.rows; ++i) rows.set(i, {});
   if (f.rounded) {
-    forward_panel(rounded_panel(f, s), rows.u, rows.v);
+    f.solves->forward_single(rounded_panel(f, s), rows.u.data(), rows.v.data());
   } else {
-    forward_panel(p, rows.u, rows.v);
+    f.solves->forward(p, rows.u.data(), rows.v.data());
   }
   store_columns(f, s, rows, y);
   const In<Index> below = rows_below(f, s);
@@ -63,9 +64,9 @@ void backward_one(const SupernodalFactor& f, Index s, PanelRows& rows, Out<Vec2>
   const In<Index> below = rows_below(f, s);
   for (Index i = p.columns; i < p.rows; ++i) rows.set(i, y[below[i - p.columns]]);
   if (f.rounded) {
-    backward_panel(rounded_panel(f, s), rows.u, rows.v);
+    f.solves->backward_single(rounded_panel(f, s), rows.u.data(), rows.v.data());
   } else {
-    backward_panel(p, rows.u, rows.v);
+    f.solves->backward(p, rows.u.data(), rows.v.data());
   }
   store_columns(f, s, rows, y);
 }
@@ -89,40 +90,20 @@ std::vector<Index> supernode_parents(const SupernodalFactor& f) {
 SupernodeTree::SupernodeTree(const SupernodalFactor& f) {
   const Index n = f.num_supernodes();
   parent_ = supernode_parents(f);
-  const std::vector<Index>& parent = parent_;
-  std::vector<double> work(n, 0);
-  std::vector<Index> first(n);  // first supernode of the subtree: postordered, so the subtree is [first, s]
-  double total = 0;
-  for (Index s = 0; s < n; ++s) first[s] = s;
+  std::vector<double> work(n);
   for (Index s = 0; s < n; ++s) {
     const Panel p = panel(f, s);
-    const double own = static_cast<double>(p.columns) * p.rows;
-    total += own;
-    work[s] += own;
+    work[s] = static_cast<double>(p.columns) * p.rows;
     most_rows_ = std::max(most_rows_, p.rows);
-    if (parent[s] == kNone) continue;
-    work[parent[s]] += work[s];
-    first[parent[s]] = std::min(first[parent[s]], first[s]);
   }
-  const double most = kSubtreeShare * total;
+  Subtrees split = split_into_subtrees(parent_, work, kSubtreeShare, kLeastSubtree);
+  subtree_ = std::move(split.subtree);
+  top_ = std::move(split.top);
   top_place_.assign(f.super.back(), kNone);
-  for (Index s = 0; s < n; ++s) {
-    if (work[s] > most) {
-      top_.push_back(s);
-      for (Index j = f.super[s]; j < f.super[s + 1]; ++j) {
-        top_place_[j] = static_cast<Index>(top_column_.size());
-        top_column_.push_back(j);
-      }
-    } else if (parent[s] == kNone || work[parent[s]] > most) {
-      // Small neighbours share a task, so that a forest of many trees does not become many tasks.
-      const bool joins = !subtree_.empty() && subtree_.back().end == first[s] &&
-                         work[s] + work[subtree_.back().end - 1] <= most;
-      if (joins) {
-        work[s] += work[subtree_.back().end - 1];
-        subtree_.back().end = s + 1;
-      } else {
-        subtree_.push_back({first[s], s + 1});
-      }
+  for (const Index s : top_) {
+    for (Index j = f.super[s]; j < f.super[s + 1]; ++j) {
+      top_place_[j] = static_cast<Index>(top_column_.size());
+      top_column_.push_back(j);
     }
   }
 }

@@ -13,10 +13,12 @@ namespace planish {
 /// [super[s], super[s + 1]), its row numbers are row[row_begin[s], row_begin[s + 1]) (its own columns first)
 /// and its panel starts at value[value_begin[s]].
 struct SupernodalFactor {
-  In<Index> super, row_begin, row, value_begin;
+  In<Index> super, row_begin, row;
+  In<Offset> value_begin;
   const double* value = nullptr;
   const float* rounded = nullptr;  ///< the same values in single precision, used instead where given
-  In<Index> permutation;           ///< permutation[k] is the row of A at place k
+  const PanelSolves* solves = nullptr;
+  In<Index> permutation;  ///< permutation[k] is the row of A at place k
   Index num_supernodes() const { return static_cast<Index>(super.size()) - 1; }
 };
 

@@ -91,7 +91,7 @@ Result<std::vector<Vec2>> tutte_map(const Exec& exec, const StartInput& input) {
       sink.add(column);
     }
   });
-  auto global = GlobalPhase::factor(laplacian, input.order);
+  auto global = GlobalPhase::factor(exec, laplacian, input.order);
   if (!global) return fail(global.error());
   global->solve(exec, x, x);
   x.resize(num_vertices);

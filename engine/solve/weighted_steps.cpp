@@ -29,7 +29,7 @@ class WeightedSteps {
 
   /// The minimiser for the present rotations and weights.
   Result<void> step() {
-    auto global = GlobalPhase::factor(laplacian(), problem_.order);
+    auto global = GlobalPhase::factor(exec_, laplacian(), problem_.order);
     if (!global) return fail(global.error());
     dof_.rebase(x_);
     const DofMap::Border border = dof_.border(corner_vertex(), *problem_.topology, weight());

@@ -81,8 +81,8 @@ class FirstStep {
   Result<void> orient() {
     const std::vector<std::uint8_t> none(mesh().num_vertices(), 0);
     auto order = fill_reducing_order(
-        vertex_laplacian(exec_, mesh().corner_vertex, prepared_.topology, none,
-                         [&](Index k) { return geometry_.edge_weight(prepared_.topology, k); }));
+        Exec(2), vertex_laplacian(exec_, mesh().corner_vertex, prepared_.topology, none,
+                                  [&](Index k) { return geometry_.edge_weight(prepared_.topology, k); }));
     RC_ASSERT(order.has_value());
     return system_->orient(exec_,
                            {.corner_vertex = mesh().corner_vertex,

@@ -119,9 +119,9 @@ struct RealSystem {
 };
 
 void check_against_dense(const SymmetricMatrix& matrix, Index m, Index entries, std::uint64_t seed) {
-  const auto order = fill_reducing_order(matrix);
+  const auto order = fill_reducing_order(Exec(2), matrix);
   REQUIRE(order);
-  const auto global = GlobalPhase::factor(matrix, *order);
+  const auto global = GlobalPhase::factor(Exec(2), matrix, *order);
   REQUIRE(global);
   const std::vector<SparseColumn> columns = random_columns(matrix.size(), m, entries, seed);
   const RealSystem whole(matrix, columns, 0.7);
@@ -158,7 +158,7 @@ TEST_CASE("border: more unknowns in the border than inside are solved too") {
 
 TEST_CASE("border: with an empty border a solve has the bits of the inner one") {
   const SymmetricMatrix matrix = mesh_matrix(3000);
-  const auto global = GlobalPhase::factor(matrix, *fill_reducing_order(matrix));
+  const auto global = GlobalPhase::factor(Exec(2), matrix, *fill_reducing_order(Exec(2), matrix));
   REQUIRE(global);
   const auto bordered = BorderedPhase::factor(Exec(1), *global, {}, {});
   REQUIRE(bordered);
@@ -173,7 +173,7 @@ TEST_CASE("border: the solution is where the energy of its definition has no slo
   const SymmetricMatrix matrix = random_matrix(30, 6);
   const auto columns = random_columns(30, 3, 4, 6);
   const RealSystem whole(matrix, columns, 0.5);
-  const auto global = GlobalPhase::factor(matrix, *fill_reducing_order(matrix));
+  const auto global = GlobalPhase::factor(Exec(2), matrix, *fill_reducing_order(Exec(2), matrix));
   const auto bordered = BorderedPhase::factor(Exec(1), *global, columns, whole.corner);
   REQUIRE(bordered);
   const std::vector<Vec2> f = random_points(30, 7);
@@ -211,7 +211,7 @@ TEST_CASE("border: the solution is where the energy of its definition has no slo
 
 TEST_CASE("border: 1, 2 and 7 threads give the same bits") {
   const SymmetricMatrix matrix = mesh_matrix(20000);
-  const auto global = GlobalPhase::factor(matrix, *fill_reducing_order(matrix));
+  const auto global = GlobalPhase::factor(Exec(2), matrix, *fill_reducing_order(Exec(2), matrix));
   REQUIRE(global);
   const Index m = 40;
   const auto columns = random_columns(matrix.size(), m, 10, 2);
@@ -235,7 +235,7 @@ TEST_CASE("border: 1, 2 and 7 threads give the same bits") {
 TEST_CASE("border: a corner that is too small for its columns is refused as not positive definite") {
   const SymmetricMatrix matrix = random_matrix(20, 3);
   const auto columns = random_columns(20, 2, 5, 3);
-  const auto global = GlobalPhase::factor(matrix, *fill_reducing_order(matrix));
+  const auto global = GlobalPhase::factor(Exec(2), matrix, *fill_reducing_order(Exec(2), matrix));
   const auto bordered =
       BorderedPhase::factor(Exec(1), *global, columns, RealSystem(matrix, columns, -1e-3).corner);
   REQUIRE_FALSE(bordered);
@@ -245,7 +245,7 @@ TEST_CASE("border: a corner that is too small for its columns is refused as not 
 TEST_CASE("global phase: the first half of a solve is the same for a sparse column and for a full one") {
   for (const Index triangles : {50, 3000, 60000}) {
     const SymmetricMatrix matrix = mesh_matrix(triangles);
-    const auto global = GlobalPhase::factor(matrix, *fill_reducing_order(matrix));
+    const auto global = GlobalPhase::factor(Exec(2), matrix, *fill_reducing_order(Exec(2), matrix));
     REQUIRE(global);
     std::vector<SparseColumn> columns = random_columns(matrix.size(), 20, 1, 5);
     for (SparseColumn& more : random_columns(matrix.size(), 20, 12, 6)) columns.push_back(std::move(more));
@@ -267,7 +267,7 @@ TEST_CASE("global phase: the first half of a solve is the same for a sparse colu
 
 TEST_CASE("global phase: the two halves in turn are a solve") {
   const SymmetricMatrix matrix = mesh_matrix(5000);
-  const auto global = GlobalPhase::factor(matrix, *fill_reducing_order(matrix));
+  const auto global = GlobalPhase::factor(Exec(2), matrix, *fill_reducing_order(Exec(2), matrix));
   REQUIRE(global);
   const std::vector<Vec2> rhs = random_points(matrix.size(), 8);
   std::vector<Vec2> half(rhs.size()), x(rhs.size()), whole(rhs.size());

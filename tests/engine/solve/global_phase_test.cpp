@@ -37,9 +37,9 @@ SymmetricMatrix held_laplacian(const Mesh& mesh) {
 TEST_CASE("global phase: solves agree with Eigen's Cholesky to 1e-10, on trees of one and of many tasks") {
   for (const Index triangles : {2, 50, 3000, 60000}) {
     const SymmetricMatrix matrix = held_laplacian(shapes::wavy_disk(triangles));
-    const auto order = fill_reducing_order(matrix);
+    const auto order = fill_reducing_order(Exec(2), matrix);
     REQUIRE(order);
-    const auto global = GlobalPhase::factor(matrix, *order);
+    const auto global = GlobalPhase::factor(Exec(2), matrix, *order);
     REQUIRE(global);
     shapes::Random random(9);
     std::vector<Vec2> rhs(matrix.size()), x(matrix.size());
@@ -59,11 +59,11 @@ TEST_CASE("global phase: solves agree with Eigen's Cholesky to 1e-10, on trees o
 
 TEST_CASE("global phase: 1, 2 and 7 threads give the same bits") {
   const SymmetricMatrix matrix = held_laplacian(shapes::wavy_disk(40000));
-  const auto order = fill_reducing_order(matrix);
+  const auto order = fill_reducing_order(Exec(2), matrix);
   std::vector<Vec2> rhs(matrix.size(), {1, -1});
   const auto solve = [&](int threads) {
     std::vector<Vec2> x(matrix.size());
-    GlobalPhase::factor(matrix, *order)->solve(Exec(threads), rhs, x);
+    GlobalPhase::factor(Exec(2), matrix, *order)->solve(Exec(threads), rhs, x);
     return x;
   };
   const auto one = solve(1);
@@ -78,7 +78,7 @@ TEST_CASE("global phase: a matrix that is not positive definite is an error that
   for (const Index row : {7, 30}) {
     SymmetricMatrix broken = matrix;
     broken.value[broken.column_begin[row]] = -1000;
-    const auto global = GlobalPhase::factor(broken, order);
+    const auto global = GlobalPhase::factor(Exec(2), broken, order);
     REQUIRE_FALSE(global);
     CHECK(global.error().code == ErrorCode::FactorizationFailed);
     CHECK(global.error().ids == std::vector<Index>{row});
@@ -127,7 +127,7 @@ TEST_CASE(
     "global phase: a factor rounded to single precision solves with one symmetric matrix near the given "
     "one") {
   const SymmetricMatrix matrix = held_laplacian(shapes::wavy_disk(3000));
-  auto global = GlobalPhase::factor(matrix, *fill_reducing_order(matrix));
+  auto global = GlobalPhase::factor(Exec(2), matrix, *fill_reducing_order(Exec(2), matrix));
   REQUIRE(global);
   shapes::Random random(10);
   std::vector<Vec2> a(matrix.size()), b(matrix.size()), x(matrix.size()), y(matrix.size()),
@@ -152,6 +152,6 @@ TEST_CASE(
   CHECK(error > 1e-12 * size);  // it is another matrix
   CHECK(error < 1e-4 * size);
   CHECK(b_x == doctest::Approx(a_y).epsilon(1e-12));
-  REQUIRE(global->refactor(matrix));
+  REQUIRE(global->refactor(Exec(2), matrix));
   CHECK_FALSE(global->is_rounded());
 }

@@ -31,7 +31,7 @@ struct Grid {
     piece.find_loops();
     nodes = find_nodes(piece.component, 1);
     dof = std::make_unique<DofMap>(nodes);
-    piece.order = *fill_reducing_order(piece.laplacian_over(exec, nodes));
+    piece.order = *fill_reducing_order(Exec(2), piece.laplacian_over(exec, nodes));
     for (Index v = 0; v < piece.mesh().num_vertices(); ++v) {
       rim.push_back(piece.topology().is_boundary(v));
       const Vec3 p = piece.mesh().position[v];
