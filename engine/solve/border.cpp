@@ -1,6 +1,7 @@
 #include "engine/solve/border.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <Eigen/Cholesky>
 
 namespace planish {
@@ -80,6 +81,16 @@ void subtract_products(const Exec& exec, const std::vector<SparseColumn>& half, 
   products.flush();
 }
 
+/// Whether every pivot is more than what rounding leaves of a column that depends on those before it: its sign is chance.
+bool is_definite(const Eigen::LLT<Eigen::MatrixXd>& factor, const Eigen::MatrixXd& schur) {
+  const double rounding = 8 * std::numeric_limits<double>::epsilon() * static_cast<double>(schur.cols());
+  for (Eigen::Index k = 0; k < schur.cols(); ++k) {
+    const double root = factor.matrixLLT()(k, k);
+    if (!(root * root > rounding * schur(k, k))) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 BorderedPhase::BorderedPhase(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -98,7 +109,7 @@ Result<BorderedPhase> BorderedPhase::factor(const Exec& exec, const GlobalPhase&
   Eigen::MatrixXd schur = Eigen::Map<const Eigen::MatrixXd>(corner.data(), m, m);
   subtract_products(exec, parts->half, schur);
   parts->schur.compute(schur);
-  if (parts->schur.info() != Eigen::Success)
+  if (parts->schur.info() != Eigen::Success || !is_definite(parts->schur, schur))
     return fail(ErrorCode::FactorizationFailed, "the border of the system is not positive definite");
   return BorderedPhase(std::move(parts));
 }

@@ -15,7 +15,7 @@ class BorderedPhase {
  public:
   /// columns: of B, sparse, rows of K distinct;  corner: D, [m * m] symmetric.
   /// inner must outlive the result.
-  /// Fails: FactorizationFailed where the Schur complement is not positive definite.
+  /// Fails: FactorizationFailed where the Schur complement is not positive definite by more than rounding.
   /// Cost: a sparse forward solve a column; O(m^2) times the rows that columns have in common; O(m^3).
   static Result<BorderedPhase> factor(const Exec& exec, const GlobalPhase& inner,
                                       const std::vector<SparseColumn>& columns, In<double> corner);
