@@ -28,17 +28,8 @@ void take_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-/// METIS takes SIGTERM for itself while it works, and leaves by a jump, out of the middle of malloc if need be, which then
-/// never lets go of its lock. So the signals are taken back every few milliseconds.
 void wait_for_signal() {
-  constexpr long kMilliseconds = 5;
-  while (true) {
-    timespec until{};
-    clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_nsec += kMilliseconds * 1'000'000;
-    if (until.tv_nsec >= 1'000'000'000) ++until.tv_sec, until.tv_nsec -= 1'000'000'000;
-    if (sem_timedwait(&received, &until) == 0) return;
-    take_signals();
+  while (sem_wait(&received) != 0) {  // a debugger or a stop and go on interrupts it too
   }
 }
 

@@ -256,7 +256,7 @@ TEST_CASE("program: an interrupt ends it within a second with 130 and no half-wr
   const Scratch scratch;
   REQUIRE(run("sample hood --triangles 300000 --noise 0.0005 -o " + scratch.file("in.ply")).code == 0);
   // A shell says 128 + 15 of a process that the signal killed: 130 is the program's own word.
-  // (timeout signals twice, and METIS holds SIGTERM for itself while it works, so that one is sent by kill.)
+  // (timeout signals twice, so SIGTERM is sent by kill.)
   for (const std::string before :
        {"timeout --preserve-status -s INT 1 ", R"(sh -c '"$@" & sleep 1; kill -TERM $!; wait $!' sh )"}) {
     CAPTURE(before);
