@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""suite.py BUILD: every target of DESIGN 6 that can be measured here, as a ratio taken in one run.
+
+Runs BUILD/perf/solver_bench and flattens sampled bonnets file to file with BUILD/planish, all in turns; writes BUILD/perf.json
+and prints a table. PLANISH_PERF_MESH: another mesh for the solver's part. Within ten minutes on two cores.
+"""
+import json
+import math
+import os
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+SIZES = (57_000, 227_000, 909_000, 3_600_000)
+MAIN = 909_000
+
+# key: (target, whether more is better)
+TARGETS = {
+    "solve_vs_cholmod": (6, True),
+    "solve_single_vs_cholmod": (None, True),
+    "solve_vs_read_limit": (2, False),
+    "factor_vs_cholmod": (5, True),
+    "newton_factor_vs_cholmod": (None, True),
+    "solver_total_vs_cholmod": (4, True),
+    "solver_threads2_speedup": (None, True),
+    "analyze_vs_metis": (None, True),
+    "fill_flops_vs_metis": (None, False),
+    "local_vs_read_limit": (1 / 0.6, False),
+    "read_ply_s_per_mtri": (0.15, False),
+    "read_obj_s_per_mtri": (0.6, False),
+    "flatten_vs_eigen_ldlt": (10, True),
+    "constrained_vs_free": (1.3, False),
+    "bytes_per_triangle": (700, False),
+    "growth_exponent": (math.log(4.6) / math.log(4), False),
+    "threads2_speedup": (1.7, True),
+}
+
+
+def solver(build, folder):
+    out = folder / "solver.json"
+    subprocess.run([build / "perf/solver_bench", f"--benchmark_out={out}", "--benchmark_out_format=json"], check=True,
+                   stdout=subprocess.DEVNULL)
+    rows = json.loads(out.read_text())["benchmarks"]
+    fields = ("own_s", "other_s", "gflop", "gflops", "own_gflop", "own_entries", "other_entries")
+    return {row["name"].split("/")[0]: {"value": row["ratio"], **{f: row[f] for f in fields if f in row}} for row in rows}
+
+
+class Program:
+    def __init__(self, build, folder):
+        self.path, self.folder = build / "planish", folder
+
+    def sample(self, triangles, *more, suffix=".ply"):
+        mesh = self.folder / f"hood_{triangles}{len(more)}{suffix}"
+        subprocess.run([self.path, "sample", "hood", "--triangles", str(triangles), "--noise", "0.0002", "-o", mesh, *more],
+                       check=True, stdout=subprocess.DEVNULL)
+        return mesh
+
+    def flatten(self, mesh, *more):
+        """Seconds of the process, and its report; its map has been certified by the program itself."""
+        report = self.folder / "report.json"
+        command = [self.path, "flatten", mesh, "-o", self.folder / "out.ply", "--report", report, "--quiet", *more]
+        begin = time.monotonic()
+        code = subprocess.run(command, stderr=subprocess.DEVNULL).returncode
+        seconds = time.monotonic() - begin
+        facts = json.loads(report.read_text())
+        if code != 0 or not facts["converged"]:
+            raise SystemExit(f"suite.py: {mesh} {more}: exit {code}")
+        return seconds, facts
+
+
+def in_turns(turns, **runs):
+    """Medians of each run's numbers, the runs taken in turns."""
+    taken = {name: [] for name in runs}
+    for _ in range(turns):
+        for name, run in runs.items():
+            taken[name].append(run())
+    return {name: statistics.median(values) for name, values in taken.items()}
+
+
+def growth(program):
+    meshes = {n: program.sample(n) for n in SIZES}
+    taken = in_turns(2, **{str(n): lambda n=n: program.flatten(meshes[n], "--flips", "keep")[0] for n in SIZES})
+    x = [math.log(n) for n in SIZES]
+    y = [math.log(taken[str(n)]) for n in SIZES]
+    mean_x, mean_y = statistics.mean(x), statistics.mean(y)
+    slope = sum((a - mean_x) * (b - mean_y) for a, b in zip(x, y)) / sum((a - mean_x) ** 2 for a in x)
+    return {"value": slope, "seconds": taken}
+
+
+def threads(program, mesh):
+    taken = in_turns(3, one=lambda: program.flatten(mesh, "--threads", "1")[0],
+                     two=lambda: program.flatten(mesh, "--threads", "2")[0])
+    return {"value": taken["one"] / taken["two"], **taken}
+
+
+def constrained(program, mesh):
+    features = program.folder / "features.json"
+    same = program.sample(MAIN, "--features", features, "--feature-count", "20")
+    taken = in_turns(3, free=lambda: program.flatten(mesh)[0], features=lambda: program.flatten(same, "-c", features)[0])
+    return {"value": taken["features"] / taken["free"], **taken}
+
+
+def readers(program):
+    rows = {}
+    for key, suffix in (("read_ply_s_per_mtri", ".ply"), ("read_obj_s_per_mtri", ".obj")):
+        mesh = program.sample(MAIN, suffix=suffix)
+        reports = [program.flatten(mesh, "--flips", "keep")[1] for _ in range(3)]
+        rows[key] = {"value": statistics.median(r["timings_s"]["read"] * 1e6 / r["mesh"]["triangles"] for r in reports)}
+    return rows
+
+
+def eigen(build, program):
+    mesh = program.sample(MAIN)
+    least = program.flatten(mesh, "--tolerance", "1e-8", "--flips", "keep")[1]["energy"]["arap"]
+    bound = str(1.001 * least)
+    own = in_turns(3, own=lambda: program.flatten(mesh, "--flips", "keep")[0])["own"]
+    said = json.loads(subprocess.run([build / "perf/eigen_peer", mesh, bound, program.folder / "peer.ply"], check=True,
+                                     capture_output=True, text=True).stdout)
+    return {"value": said["seconds"] / own, "own_s": own, "other_s": said["seconds"], "other_steps": said["steps"]}
+
+
+def measure(build, folder):
+    program = Program(build, folder)
+    rows = solver(build, folder)
+    mesh = program.sample(MAIN)
+    peak = program.flatten(mesh)[1]
+    rows["bytes_per_triangle"] = {"value": peak["peak_memory_bytes"] / peak["mesh"]["triangles"]}
+    rows.update(readers(program))
+    rows["constrained_vs_free"] = constrained(program, mesh)
+    rows["threads2_speedup"] = threads(program, mesh)
+    rows["flatten_vs_eigen_ldlt"] = eigen(build, program)
+    rows["growth_exponent"] = growth(program)
+    return rows
+
+
+def table(rows):
+    lines = ["| key | value | target | met | seconds, own and other |", "| --- | --- | --- | --- | --- |"]
+    for key, (target, more) in TARGETS.items():
+        row = rows[key]
+        met = "" if target is None else "yes" if (row["value"] >= target) == more or row["value"] == target else "no"
+        wanted = "" if target is None else f"{'>=' if more else '<='} {target:.3g}"
+        taken = f"{row['own_s']:.4f} {row['other_s']:.4f}" if "own_s" in row and "other_s" in row else ""
+        lines.append(f"| {key} | {row['value']:.3g} | {wanted} | {met} | {taken} |")
+    return "\n".join(lines)
+
+
+def main():
+    build = pathlib.Path(sys.argv[1]).resolve()
+    begin = time.monotonic()
+    with tempfile.TemporaryDirectory() as name:
+        rows = measure(build, pathlib.Path(name))
+    load = os.getloadavg()
+    result = {"version": 1, "seconds": time.monotonic() - begin, "load_average": load, "threads": os.cpu_count(), "results": rows}
+    (build / "perf.json").write_text(json.dumps(result, indent=1))
+    print(table(rows))
+    print(f"\n{result['seconds']:.0f} s, {result['threads']} threads, load {load[0]:.1f} at the end")
+
+
+if __name__ == "__main__":
+    main()
