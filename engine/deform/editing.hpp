@@ -59,6 +59,7 @@ class Editing {
   Result<Minimum> start_anew(const SolveOptions& options, const Monitor& monitor);
   Result<std::unique_ptr<ConstraintSystem>> compiled_system(const Monitor& monitor) const;
   Offset faults(In<Vec2> uv) const;
+  bool is_injective(const ArapProblem& arap, In<Vec2> uv) const;
   void move_back(Out<Vec2> uv) const;
   void keep(Minimum minimum);
   void settle_gauge();
@@ -94,6 +95,7 @@ class Editing {
   std::optional<GlobalPhase> global_;
 
   std::vector<Vec2> uv_;  // [V] where the map is
+  bool settled_ = false;  // at a minimum without flips, features held
   SolveOptions last_;     // of the last solve, and what came of it
   Flattening solved_;
   Release release_ = Release::None;

@@ -4,6 +4,7 @@
 #include "engine/deform/editing.hpp"
 #include "engine/flatten_steps.hpp"
 #include "engine/solve/flip_free.hpp"
+#include "engine/solve/map_energy.hpp"
 #include "engine/verify/certificate.hpp"
 #include "kernels/local/proxy.hpp"
 
@@ -29,7 +30,9 @@ FlattenOptions Editing::flatten_options(const SolveOptions& options) const {
 Result<void> Editing::solve(const SolveOptions& options, const Monitor& monitor, const StepSink& sink) {
   const std::vector<Vec2> before = uv_;
   auto solved = go_on(options, monitor, sink);
-  if (!solved) uv_ = before;
+  if (solved) return solved;
+  uv_ = before;
+  settled_ = false;
   return solved;
 }
 
@@ -40,13 +43,16 @@ Result<void> Editing::go_on(const SolveOptions& options, const Monitor& monitor,
   const auto say_step = [&](int step) { return sink ? sink(snapshot(step)) : Result<void>(); };
   if (auto taken = say_step(0); !taken) return taken;
   release_ = Release::None;
+  settled_ = settled_ && options.steps == 1;
   auto minimum = follow(options, monitor, say_step);
   const bool has_features = system_ && !system_->compiled().bodies.empty();
   if (minimum && options.flips == Flips::Untangle && !minimum->injective && has_features) {
     uv_ = start;
+    settled_ = false;
     minimum = let_go(std::move(*minimum), options, monitor);
   }
   if (!minimum) return fail(minimum.error());
+  settled_ = minimum->injective && release_ == Release::None;
   keep(std::move(*minimum));
   settle_gauge();
   return say_step(options.steps);
@@ -73,7 +79,10 @@ Result<Minimum> Editing::follow(const SolveOptions& options, const Monitor& moni
 Result<Minimum> Editing::minimise(const SolveOptions& options, const Monitor& monitor, bool last) {
   const std::vector<Vec2> rotation = closest_rotations();
   DofMap dof(nodes_);
-  const ArapProblem arap = problem(*global_, nodes_, dof, rotation);
+  std::vector<Vec2> near = uv_;
+  for (const auto& [v, z] : nodes_.place) near[v] = z;
+  ArapProblem arap = problem(*global_, nodes_, dof, rotation);
+  arap.near = near;
   FlattenOptions chosen = flatten_options(options);
   if (!last) {
     chosen.tolerance = std::max(chosen.tolerance, kWayTolerance);
@@ -86,13 +95,21 @@ Result<Minimum> Editing::minimise(const SolveOptions& options, const Monitor& mo
 Result<Minimum> Editing::lower(const ArapProblem& arap, const FlattenOptions& options, const Monitor& monitor,
                                bool mending) {
   Minimum minimum;
-  auto done = timed(Phase::LocalGlobal, monitor, [&]() -> Result<void> {
-    auto result = minimise_arap(exec_, arap, options, monitor, mending ? Watch::Injectivity : Watch::None);
-    if (!result) return fail(result.error());
-    minimum = std::move(*result);
-    return {};
-  });
-  if (done && mending)
+  const auto iterate = [&](Watch watch) {
+    return timed(Phase::LocalGlobal, monitor, [&]() -> Result<void> {
+      auto result = minimise_arap(exec_, arap, options, monitor, watch);
+      if (!result) return fail(result.error());
+      minimum = std::move(*result);
+      return {};
+    });
+  };
+  // Watching every step costs a third of it. Near a minimum without flips one look at the end does.
+  auto done = iterate(mending && !settled_ ? Watch::Injectivity : Watch::None);
+  if (done && mending && settled_) {
+    minimum.injective = minimum.converged && is_injective(arap, minimum.uv);
+    if (!minimum.injective) done = iterate(Watch::Injectivity);
+  }
+  if (done && mending && !(settled_ && minimum.injective))
     done =
         timed(Phase::Untangle, monitor, [&] { return remove_flips(exec_, arap, options, monitor, minimum); });
   if (done && mending)
@@ -151,6 +168,10 @@ std::vector<Vec2> Editing::closest_rotations() const {
     }
   });
   return rotation;
+}
+
+bool Editing::is_injective(const ArapProblem& arap, In<Vec2> uv) const {
+  return MapEnergy(exec_, arap.energy).is_injective(uv) && arap.dof->reversed_edges() == 0;
 }
 
 /// A single held vertex does not say how its component is turned.

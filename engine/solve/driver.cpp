@@ -53,11 +53,12 @@ class Iteration {
 
   /// The first global step, for the first rotations; then all directions are free to turn.
   Result<void> start() {
-    x_ = problem_.first->origin();
+    const bool near = !problem_.near.empty();
+    x_ = near ? std::vector<Vec2>(problem_.near.begin(), problem_.near.end()) : problem_.first->origin();
     if (auto used = use(*problem_.first); !used) return used;
     if (!dof_->expand(x_)) return fail(ErrorCode::InternalDefect, "poses leave their joints");
     // A rounded factor needs a second and a third solve to reach the minimiser.
-    for (int solve_number = 0; solve_number < (problem_.global->is_rounded() ? 3 : 1); ++solve_number) {
+    for (int solve_number = 0; solve_number < (problem_.global->is_rounded() && !near ? 3 : 1); ++solve_number) {
       local_.evaluate_rotations(vertices(x_), problem_.rotation, vertices(force_));
       dof_->fold(force_);
       solve();

@@ -30,6 +30,8 @@ struct ArapProblem {
   DofMap* first = nullptr;     ///< of the first global step: directions as the first rotations have them
   DofMap* dof = nullptr;       ///< of all further ones; may be the same
   In<Vec2> rotation;           ///< [T] first rotations
+  /// [first->size()] unknowns near the first map, for a rounded factor to reach it in one solve; empty: none are known.
+  In<Vec2> near = {};
   In<Index> order;             ///< fill-reducing order of the vertices
   In<Index> vertex_component;  ///< [V]
   Index num_components = 1;

@@ -1,0 +1,174 @@
+// Editing a map: what is solved again is what a fresh editor finds, and what failed leaves the map as it was.
+#include "engine/edit.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/support/shapes.hpp"
+
+using namespace planish;
+
+namespace {
+
+/// A wavy disk, its free map, and pins at places of that map.
+struct Scene {
+  Mesh mesh = shapes::wavy_disk(3000);
+  std::vector<Vec2> map;
+  ConstraintSet set;
+  std::vector<Feature> features;
+
+  Scene() {
+    auto flat = flatten(mesh.surface(), {.tolerance = 1e-9});
+    REQUIRE(flat.has_value());
+    map = flat->uv;
+    PinConstraint pins;
+    for (Index k = 0; k < 5; ++k) {
+      pins.vertex.push_back(k * (mesh.num_vertices() / 5) + 7);
+      pins.uv.push_back(map[pins.vertex.back()]);
+    }
+    set.constraints.push_back({.name = "pins", .type = "pin", .rule = pins});
+  }
+  PinConstraint& pins() { return std::get<PinConstraint>(set.constraints.front().rule); }
+  Constraints constraints() const { return {.set = &set, .features = &features}; }
+  MapEditor editor(int threads = 0) const {
+    auto begun = MapEditor::begin(mesh.surface(), map, {.threads = threads});
+    REQUIRE(begun.has_value());
+    REQUIRE(begun->constrain(constraints()).has_value());
+    return std::move(*begun);
+  }
+};
+
+constexpr SolveOptions kExact{.tolerance = 1e-9};
+
+double farthest(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
+  double most = 0;
+  for (std::size_t v = 0; v < a.size(); ++v) most = std::max(most, norm(a[v] - b[v]));
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("edit: after moves of a pin the map is the one that a fresh editor finds") {
+  Scene scene;
+  MapEditor editor = scene.editor();
+  REQUIRE(editor.solve(kExact).has_value());
+  for (const Vec2 by : {Vec2{0.02, 0.01}, Vec2{-0.03, 0.02}, Vec2{0.01, 0}}) {
+    Vec2& uv = scene.pins().uv[2];
+    uv += by;
+    REQUIRE(editor.move_pin(scene.pins().vertex[2], uv).has_value());
+    REQUIRE(editor.solve(kExact).has_value());
+    CHECK(editor.uv()[scene.pins().vertex[2]] == uv);
+    MapEditor fresh = scene.editor();
+    REQUIRE(fresh.solve(kExact).has_value());
+    CHECK(farthest(editor.uv(), fresh.uv()) < 1e-6);
+    CHECK(editor.measure().flattening.certificate.flipped_triangles == 0);
+  }
+}
+
+TEST_CASE("edit: a pin moved away and back leads back") {
+  Scene scene;
+  MapEditor editor = scene.editor();
+  REQUIRE(editor.solve(kExact).has_value());
+  const std::vector<Vec2> before = editor.uv();
+  const Index vertex = scene.pins().vertex[1];
+  REQUIRE(editor.move_pin(vertex, scene.pins().uv[1] + Vec2{0.05, -0.02}).has_value());
+  REQUIRE(editor.solve(kExact).has_value());
+  CHECK(farthest(editor.uv(), before) > 0.01);
+  REQUIRE(editor.move_pin(vertex, scene.pins().uv[1]).has_value());
+  REQUIRE(editor.solve(kExact).has_value());
+  CHECK(farthest(editor.uv(), before) < 1e-6);
+}
+
+TEST_CASE("edit: other constraints take the place of the ones before") {
+  Scene scene;
+  MapEditor editor = scene.editor();
+  REQUIRE(editor.solve(kExact).has_value());
+  PinConstraint& pins = scene.pins();
+  pins.vertex.pop_back();
+  pins.uv.pop_back();
+  pins.uv[0] += Vec2{0.03, 0};
+  REQUIRE(editor.constrain(scene.constraints()).has_value());
+  REQUIRE(editor.solve(kExact).has_value());
+  MapEditor fresh = scene.editor();
+  REQUIRE(fresh.solve(kExact).has_value());
+  CHECK(farthest(editor.uv(), fresh.uv()) < 1e-6);
+  CHECK(editor.measure().flattening.constraints.outcome.front().residual < 1e-12);
+}
+
+TEST_CASE("edit: without constraints the map stays as near to the given one as it can") {
+  const Scene scene;
+  auto editor = MapEditor::begin(scene.mesh.surface(), scene.map);
+  REQUIRE(editor.has_value());
+  REQUIRE(editor->constrain({}).has_value());
+  REQUIRE(editor->solve(kExact).has_value());
+  CHECK(farthest(editor->uv(), scene.map) < 1e-6);
+}
+
+TEST_CASE("edit: a solve that is stopped leaves the map as it was") {
+  Scene scene;
+  MapEditor editor = scene.editor();
+  REQUIRE(editor.solve().has_value());
+  const std::vector<Vec2> before = editor.uv();
+  REQUIRE(editor.move_pin(scene.pins().vertex[0], scene.pins().uv[0] + Vec2{0.01, 0}).has_value());
+  int iterations = 0;
+  const auto stopped = editor.solve({}, [&](const Progress& progress) {
+    iterations += progress.phase == Phase::LocalGlobal && progress.iteration > 0;
+    return iterations > 2 ? Verdict::Stop : Verdict::Continue;
+  });
+  REQUIRE(!stopped.has_value());
+  CHECK(stopped.error().code == ErrorCode::Cancelled);
+  CHECK(editor.uv() == before);
+}
+
+TEST_CASE("edit: 1, 2 and 7 threads give the same bits, after moves too") {
+  Scene scene;
+  const auto moved = [&](int threads) {
+    MapEditor editor = scene.editor(threads);
+    REQUIRE(editor.solve({.steps = 3}).has_value());
+    REQUIRE(editor.move_pin(scene.pins().vertex[3], scene.pins().uv[3] + Vec2{0.02, 0.02}).has_value());
+    REQUIRE(editor.solve().has_value());
+    return editor.uv();
+  };
+  const std::vector<Vec2> one = moved(1);
+  for (const int threads : {2, 7}) CHECK(moved(threads) == one);
+}
+
+TEST_CASE("edit: steps tell the sink where they are, from the map as it was to the last one") {
+  Scene scene;
+  scene.pins().uv[0] += Vec2{0.05, 0.05};
+  MapEditor editor = scene.editor();
+  std::vector<DeformStep> steps;
+  REQUIRE(editor
+              .solve({.steps = 4}, {},
+                     [&](DeformStep step) -> Result<void> {
+                       steps.push_back(std::move(step));
+                       return {};
+                     })
+              .has_value());
+  REQUIRE(steps.size() == 5);
+  CHECK(farthest(steps.front().uv, editor.given_uv()) < 1e-12);
+  CHECK(steps.back().uv == editor.uv());
+  const Index pin = scene.pins().vertex[0];
+  for (int k = 1; k < 5; ++k) {
+    CHECK(steps[k].step == k);
+    const Vec2 wanted = (1 - 0.25 * k) * steps[0].uv[pin] + (0.25 * k) * steps[4].uv[pin];
+    CHECK(norm(steps[k].uv[pin] - wanted) < 1e-12);
+  }
+}
+
+TEST_CASE("edit: what has no meaning is refused, and the editor goes on") {
+  Scene scene;
+  MapEditor editor = scene.editor();
+  const auto code = [](const Result<void>& done) {
+    REQUIRE(!done.has_value());
+    return done.error().code;
+  };
+  CHECK(code(editor.move_pin(scene.pins().vertex[0] + 1, {})) == ErrorCode::BadUsage);
+  CHECK(code(editor.solve({.steps = 0})) == ErrorCode::BadUsage);
+  CHECK(code(editor.solve({.tolerance = 0})) == ErrorCode::BadUsage);
+  CHECK(code(editor.solve({.flips = Flips::Weights})) == ErrorCode::BadUsage);
+  CHECK(editor.solve().has_value());
+  const std::vector<Vec2> few(3);
+  const auto begun = MapEditor::begin(scene.mesh.surface(), few);
+  REQUIRE(!begun.has_value());
+  CHECK(begun.error().code == ErrorCode::BadUsage);
+}
