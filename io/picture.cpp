@@ -215,6 +215,7 @@ Result<void> write_picture(const Exec& exec, const std::string& path, const Surf
   if (!format) return fail(format.error());
   if (auto checked = check_input(surface, uv, certificate, options.features); !checked)
     return fail(checked.error());
+  const UvBox panel = UvBox().with(surface.corner_vertex, uv);
   UvBox box = options.window.value_or(UvBox()).with(surface.corner_vertex, uv);
   if (surface.num_triangles() == 0 && !options.window) box = {{}, {}};
   const Result<Layout> laid_out = lay_out(box, options.features.size(), options.width);
@@ -236,7 +237,8 @@ Result<void> write_picture(const Exec& exec, const std::string& path, const Surf
                 {corner_vertex, point, layout.panel_corner, layout.panel_height, layout.width});
   mark_flips(canvas, layout, certificate.flipped, corner_vertex, point);
   draw_title(canvas, options.title, layout.width - 2 * layout.unit * kMargin, layout.unit);
-  const PanelFigures figures = options.figures.value_or(PanelFigures{surface.num_triangles(), layout.size});
+  const PanelFigures figures = options.figures.value_or(
+      PanelFigures{surface.num_triangles(), options.window ? panel.upper - panel.lower : layout.size});
   draw_legend(canvas,
               {.limit = field.limit,
                .certificate = &certificate,
