@@ -92,6 +92,8 @@ Result<void> Editing::move_pin(Index vertex, Vec2 uv) {
 
 /// Components move as pins and directions ask, then each constrained element goes where it lies nearest.
 Result<void> Editing::place() {
+  release_ = Release::None;
+  anew_.reset();
   const Index num_components = topology().num_components;
   std::vector<Placement> motion(num_components);
   std::vector<Vec2> map = given_.uv;

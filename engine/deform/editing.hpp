@@ -60,7 +60,7 @@ class Editing {
   Result<std::unique_ptr<ConstraintSystem>> compiled_system(const Monitor& monitor) const;
   Offset faults(In<Vec2> uv) const;
   bool is_injective(const ArapProblem& arap, In<Vec2> uv) const;
-  void move_back(Out<Vec2> uv) const;
+  void move_back(const ConstraintSystem& system, Out<Vec2> uv) const;
   void keep(Minimum minimum);
   void settle_gauge();
   ArapProblem problem(GlobalPhase& global, const NodeMap& nodes, DofMap& dof, In<Vec2> rotation) const;
@@ -99,6 +99,7 @@ class Editing {
   SolveOptions last_;     // of the last solve, and what came of it
   Flattening solved_;
   Release release_ = Release::None;
+  std::unique_ptr<ConstraintSystem> anew_;  // of a map that was flattened anew
 };
 
 }  // namespace planish

@@ -47,8 +47,9 @@ Deformation Editing::measure() {
   (void)timed(Phase::Measure, {}, [&]() -> Result<void> {
     if (system_) {
       const DofMap dof(nodes_);
-      solved_.constraints = constraint_facts(*system_, dof, global_ ? global_->factor_nonzeros() : 0);
-      solved_.constraints.outcome = system_->outcomes(map);
+      const ConstraintSystem& system = release_ == Release::Map ? *anew_ : *system_;
+      solved_.constraints = constraint_facts(system, dof, global_ ? global_->factor_nonzeros() : 0);
+      solved_.constraints.outcome = system.outcomes(map);
     }
     solved_.certificate = measure_map(exec_, piece_, map);
     result.facts = facts(map);

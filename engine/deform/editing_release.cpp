@@ -33,14 +33,12 @@ Result<Minimum> Editing::let_go(Minimum held, const SolveOptions& options, const
     return released;
   }
   const Offset left_held = faults(held.uv), left = faults(released->uv);
-  std::unique_ptr<ConstraintSystem> oriented_here = std::move(system_);
   auto anew = start_anew(options, monitor);
   if (!anew && anew.error().code != ErrorCode::ConstraintsConflict) return anew;
   if (anew && faults(anew->uv) < std::min(left_held, left)) {
     release_ = Release::Map;
     return anew;
   }
-  system_ = std::move(oriented_here);
   if (left >= left_held) return held;
   release_ = Release::Features;
   return released;
@@ -62,38 +60,38 @@ Result<Minimum> Editing::release(const SolveOptions& options, const Monitor& mon
   auto minimum = lower(arap, flatten_options(options), monitor, true);
   if (!minimum) return minimum;
   if (auto scales = system_->check_scales(*dof->poses()); !scales) return fail(scales.error());
-  move_back(minimum->uv);
+  move_back(*system_, minimum->uv);
   return minimum;
 }
 
-/// As flatten begins, with the rotations of the smallest connection; the constraint system is then that start's.
+/// As flatten begins, with the rotations of the smallest connection, by a constraint system oriented there.
 Result<Minimum> Editing::start_anew(const SolveOptions& options, const Monitor& monitor) {
   const FlattenOptions chosen = flatten_options(options);
-  auto system = compiled_system(monitor);
-  if (!system) return fail(system.error());
-  system_ = std::move(*system);
-  if (auto oriented = system_->orient(exec_, piece_.start_input(), chosen.init); !oriented)
+  auto made = compiled_system(monitor);
+  if (!made) return fail(made.error());
+  anew_ = std::move(*made);
+  if (auto oriented = anew_->orient(exec_, piece_.start_input(), chosen.init); !oriented)
     return fail(oriented.error());
-  auto global = GlobalPhase::factor(exec_, laplacian_over(system_->nodes()), piece_.order);
+  auto global = GlobalPhase::factor(exec_, laplacian_over(anew_->nodes()), piece_.order);
   if (!global) return fail(global.error());
-  auto start = constrained_start(exec_, piece_, *system_, *global, chosen, monitor);
+  auto start = constrained_start(exec_, piece_, *anew_, *global, chosen, monitor);
   if (!start) return fail(start.error());
-  ArapProblem arap = problem(*global, system_->nodes(), start->last(), start->rotation);
+  ArapProblem arap = problem(*global, anew_->nodes(), start->last(), start->rotation);
   arap.first = start->first.get();
-  arap.turns_freely = turning_components(*system_, piece_.component);
+  arap.turns_freely = turning_components(*anew_, piece_.component);
   auto minimum = lower(arap, chosen, monitor, true);
   if (!minimum) return minimum;
-  if (auto scales = system_->check_scales(*start->last().poses()); !scales) return fail(scales.error());
-  move_back(minimum->uv);
+  if (auto scales = anew_->check_scales(*start->last().poses()); !scales) return fail(scales.error());
+  move_back(*anew_, minimum->uv);
   return minimum;
 }
 
 /// The DOF map of released features has something of each component without pins at 0.
-void Editing::move_back(Out<Vec2> uv) const {
+void Editing::move_back(const ConstraintSystem& system, Out<Vec2> uv) const {
   std::vector<Freedom> freedom;
-  for (const std::uint8_t directed : system_->directed())
+  for (const std::uint8_t directed : system.directed())
     freedom.push_back(directed ? Freedom::Shift : Freedom::Isometry);
-  for (const Pin& pin : system_->pins()) freedom[piece_.component[pin.vertex]] = Freedom::None;
+  for (const Pin& pin : system.pins()) freedom[piece_.component[pin.vertex]] = Freedom::None;
   move_components(onto_map(freedom, piece_.component, uv, aligned_), piece_.component, uv);
 }
 

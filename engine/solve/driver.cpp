@@ -58,7 +58,8 @@ class Iteration {
     if (auto used = use(*problem_.first); !used) return used;
     if (!dof_->expand(x_)) return fail(ErrorCode::InternalDefect, "poses leave their joints");
     // A rounded factor needs a second and a third solve to reach the minimiser.
-    for (int solve_number = 0; solve_number < (problem_.global->is_rounded() && !near ? 3 : 1); ++solve_number) {
+    for (int solve_number = 0; solve_number < (problem_.global->is_rounded() && !near ? 3 : 1);
+         ++solve_number) {
       local_.evaluate_rotations(vertices(x_), problem_.rotation, vertices(force_));
       dof_->fold(force_);
       solve();

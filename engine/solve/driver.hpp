@@ -26,10 +26,10 @@ struct ArapProblem {
       nullptr;  ///< of the quotient Laplacian over the nodes of the DOF map; rounded after the first step
                 ///< where that pays
   const Topology* topology = nullptr;
-  EdgeWeight edge_weight;      ///< of that Laplacian
-  DofMap* first = nullptr;     ///< of the first global step: directions as the first rotations have them
-  DofMap* dof = nullptr;       ///< of all further ones; may be the same
-  In<Vec2> rotation;           ///< [T] first rotations
+  EdgeWeight edge_weight;   ///< of that Laplacian
+  DofMap* first = nullptr;  ///< of the first global step: directions as the first rotations have them
+  DofMap* dof = nullptr;    ///< of all further ones; may be the same
+  In<Vec2> rotation;        ///< [T] first rotations
   /// [first->size()] unknowns near the first map, for a rounded factor to reach it in one solve; empty: none are known.
   In<Vec2> near = {};
   In<Index> order;             ///< fill-reducing order of the vertices

@@ -160,7 +160,7 @@ TEST_CASE("deform: an OBJ with seams, written by hand, keeps its seams") {
   const std::string written = content_of(scratch.file("o.obj"));
   CHECK(solved.report.at("cut").at("cut_edges") == 9);
   CHECK(solved.report.at("cut").at("charts") == 1);
-  CHECK(count_lines(written, "v ") == 216 + 48);  // the belt adds some
+  CHECK(count_lines(written, "v ") == 216 + 48);        // the belt adds some
   CHECK(count_lines(written, "vt ") == 216 + 48 + 10);  // those of the seam have two
   CHECK(has(written, "o unrolled by hand"));
   CHECK(solved.report.at("energy").at("arap") < 1e-3);
