@@ -176,13 +176,29 @@ const Price kPrice{.energy = 0.75,
                    .without_refit = 0.8,
                    .constraints = {{"straight", 0.25, 0.5}, {"angle", 0, 0, "no line"}}};
 
+const DeformFacts kDeformed{.reference = Reference::Parameterization,
+                            .steps = 7,
+                            .map_scale = 2.5,
+                            .mirrored = 1,
+                            .release = Release::Features,
+                            .given_arap = 0.5,
+                            .given_flipped = 3,
+                            .largest_displacement = 0.25,
+                            .mean_displacement = 0.125};
+
 TEST_CASE(
-    "report_json: with features, constraints, prices and a cut the report has all fields of its schema") {
+    "report_json: with features, constraints, prices, a deformation and a cut the report has all fields of "
+    "its schema") {
   const Embedding e = embedding();
   const json s = schema("report.schema.json"),
              r = json::parse(
-                 report_json(constrained(), context(), {.embedding = &e, .cut = &kCut, .price = &kPrice}));
+                 report_json(constrained(), context(),
+                             {.embedding = &e, .cut = &kCut, .price = &kPrice, .deformation = &kDeformed}));
   CHECK(keys(r) == keys(s["properties"]));
+  check_keys(s["properties"]["deformation"], r["deformation"]);
+  CHECK(r["deformation"]["reference"] == "parameterization");
+  CHECK(r["deformation"]["release"] == "features");
+  CHECK(r["deformation"]["largest_displacement"] == 0.25);
   check_keys(s["properties"]["price"], r["price"]);
   CHECK(r["price"]["constraints"][0] ==
         json({{"name", "straight"}, {"energy_without", 0.25}, {"cost", 0.5}}));
