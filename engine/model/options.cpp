@@ -42,8 +42,7 @@ const char* name(Overlapping overlapping) {
 }
 
 Overlapping overlapping(const FlattenOptions& options) {
-  const bool untangled = options.flips == Flips::Untangle && !options.paper;
-  return options.overlaps.value_or(untangled ? Overlapping::Remove : Overlapping::Report);
+  return options.overlaps.value_or(Overlapping::Report);
 }
 
 const char* name(Reference reference) {

@@ -43,7 +43,7 @@ struct FlattenOptions {
   Init init = Init::Uniform;
   Energy energy = Energy::Arap;
   Flips flips = Flips::Untangle;
-  std::optional<Overlapping> overlaps = {};  ///< none: Remove where flips are untangled, else Report
+  std::optional<Overlapping> overlaps = {};  ///< none: Report
   double tolerance = 1e-6;                   ///< of the gradient (DESIGN 3.5), > 0
   int max_iterations = 500;  ///< local/global and Newton steps after the first global solve, >= 0
   /// The paper's own variant: directions of features as the first rotations have them, flipped triangles weigh more from
