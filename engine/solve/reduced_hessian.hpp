@@ -46,6 +46,7 @@ SymmetricMatrix reduced_hessian(const Exec& exec, const ArapEnergy& mesh, const 
                                 In<HessianElement> further = {});
 
 /// A fill-reducing order of the unknowns for such a matrix, whatever else couples them.   Fails: OutOfMemory.
-Result<std::vector<Index>> order_of_unknowns(const Exec& exec, const SymmetricMatrix& hessian, const ReducedUnknowns& unknowns);
+Result<std::vector<Index>> order_of_unknowns(const Exec& exec, const SymmetricMatrix& hessian,
+                                             const ReducedUnknowns& unknowns);
 
 }  // namespace planish
