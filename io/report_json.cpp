@@ -85,7 +85,7 @@ void add_overlaps(Json& report, const OverlapRemoval& r) {
   if (r.method != Overlapping::Remove) return;
   overlaps["pairs_before"] = r.pairs_before;
   if (r.pairs_before == 0) return;
-  overlaps["arap_before"] = number(r.arap_before);
+  overlaps["energy_before"] = number(r.energy_before);
   overlaps["start"] = name(r.start);
   if (r.start == OverlapRemoval::Start::None) return;
   overlaps["newton_steps"] = r.newton_steps;

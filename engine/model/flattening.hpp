@@ -49,7 +49,7 @@ struct Iterate {
   int iteration = 0;
   double energy = 0;                 ///< what the phase lowers, per rest area: arap, or that of FlipRemoval
   double gradient = 0;               ///< DESIGN 3.5
-  Phase phase = Phase::LocalGlobal;  ///< LocalGlobal or Polish
+  Phase phase = Phase::LocalGlobal;  ///< LocalGlobal, Polish, or Separate
 };
 
 /// What was done so that no triangle is flipped and no vertex overwound.
@@ -74,8 +74,8 @@ struct OverlapRemoval {
     Unconstrained  ///< the map without constraints, which they were brought to
   };
   Overlapping method = Overlapping::Report;
-  Offset pairs_before = 0;  ///< where the descent without flips ended
-  double arap_before = 0;   ///< there
+  Offset pairs_before = 0;   ///< where the descent without flips ended
+  double energy_before = 0;  ///< what that lowered, there, per rest area
   Start start = Start::None;
   int newton_steps = 0;  ///< of the descent, to the map it began at too
   double energy =

@@ -148,10 +148,11 @@ class Polish {
   Result<void> record() {
     const int iteration = minimum_.history.back().iteration + 1;
     minimum_.gradient = map_.gradient();
+    const Phase phase = problem_.barrier ? Phase::Separate : Phase::Polish;
     minimum_.history.push_back(
-        {iteration, map_.energy() / problem_.energy.area, minimum_.gradient, Phase::Polish});
+        {iteration, map_.energy() / problem_.energy.area, minimum_.gradient, phase});
     const Iterate& now = minimum_.history.back();
-    return say(monitor_, {Phase::Polish, iteration, now.energy, now.gradient});
+    return say(monitor_, {phase, iteration, now.energy, now.gradient});
   }
 
   const Exec& exec_;
