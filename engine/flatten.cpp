@@ -195,7 +195,7 @@ class Run {
       done = timed(Phase::Untangle, [&] { return remove_flips(exec_, arap, options_, monitor_, minimum); });
       global_.reset();
       if (done) done = timed(Phase::Polish, [&] { return polish(exec_, arap, options_, monitor_, minimum); });
-      if (done && overlapping(options_) == Overlapping::Remove)
+      if (done && options_.overlaps == Overlapping::Remove)
         done = timed(Phase::Separate, [&] { return separate(arap, minimum); });
     }
     if (!done) return done;
@@ -208,7 +208,7 @@ class Run {
     result_.removal = minimum.removal;
     result_.removal.method = options_.paper ? Flips::Weights : options_.flips;
     result_.overlaps = minimum.overlaps;
-    result_.overlaps.method = overlapping(options_);
+    result_.overlaps.method = options_.overlaps;
     return system_ ? system_->check_scales(*start_.last().poses()) : Result<void>();
   }
 
@@ -246,15 +246,25 @@ class Run {
     return uv;
   }
 
-  Result<std::vector<Vec2>> first_map(ArapProblem arap) {
+  Result<OverlapFreeStarts::Map> first_map(ArapProblem arap) const {
+    auto first = new_dof_map(true), last = new_dof_map(options_.keep_directions);
+    if (!first) return fail(first.error());
+    if (!last) return fail(last.error());
     auto global = piece_.factor(exec_, piece_.laplacian_over(exec_, nodes_));
     if (!global) return fail(global.error());
     arap.global = &*global;
-    FlattenOptions first = options_;
-    first.max_iterations = 0;
-    auto map = minimise_arap(exec_, arap, first, monitor_);
+    arap.first = first->get();
+    arap.dof = last->get();
+    FlattenOptions no_steps = options_;
+    no_steps.max_iterations = 0;
+    auto map = minimise_arap(exec_, arap, no_steps, monitor_);
     if (!map) return fail(map.error());
-    return std::move(map->uv);
+    return OverlapFreeStarts::Map{std::move(map->uv), std::move(*last)};
+  }
+
+  /// At the start, its directions free or as the first rotations have them.
+  Result<std::unique_ptr<DofMap>> new_dof_map(bool frozen) const {
+    return system_ ? system_->dof_map(frozen) : std::make_unique<DofMap>(nodes_);
   }
 
   /// Gauge, layout, units; then everything is measured on the final coordinates.
@@ -342,7 +352,7 @@ Result<void> check_options(const FlattenOptions& options) {
         "symmetric-dirichlet is infinite where triangles are flipped: it needs flips to be untangled");
   if (options.paper && (options.flips == Flips::Keep || options.flips == Flips::Stiffening))
     return fail(ErrorCode::BadUsage, "the paper's variant has its own procedure against flips, weights");
-  if (overlapping(options) == Overlapping::Remove && (options.paper || options.flips != Flips::Untangle))
+  if (options.overlaps == Overlapping::Remove && (options.paper || options.flips != Flips::Untangle))
     return fail(ErrorCode::BadUsage,
                 "overlaps are removed from maps without flips: that needs flips to be untangled");
   return {};

@@ -46,15 +46,19 @@ Result<GlobalPhase> Workpiece::factor(const Exec& exec, const SymmetricMatrix& l
   return GlobalPhase::factor(exec, laplacian, order);
 }
 
+ArapEnergy Workpiece::energy(In<std::uint8_t> fixed) const {
+  return {.corner_vertex = mesh().corner_vertex,
+          .stars = topology().stars(),
+          .star_corner = topology().star_corner,
+          .frame = geometry.frame,
+          .cotangent = geometry.cotangent,
+          .fixed = fixed,
+          .area = geometry.area};
+}
+
 ArapProblem Workpiece::problem(GlobalPhase& global, const NodeMap& nodes, DofMap& first, DofMap& dof,
                                In<Vec2> rotation) const {
-  return {.energy = {.corner_vertex = mesh().corner_vertex,
-                     .stars = topology().stars(),
-                     .star_corner = topology().star_corner,
-                     .frame = geometry.frame,
-                     .cotangent = geometry.cotangent,
-                     .fixed = nodes.fixed,
-                     .area = geometry.area},
+  return {.energy = energy(nodes.fixed),
           .global = &global,
           .topology = &topology(),
           .edge_weight = [this](Index c) { return edge_weight(c); },

@@ -31,6 +31,8 @@ struct Workpiece {
   /// Nodes beyond the vertices are eliminated last.
   Result<GlobalPhase> factor(const Exec& exec, const SymmetricMatrix& laplacian) const;
 
+  /// fixed [V]: outlives the energy, as the workpiece does.
+  ArapEnergy energy(In<std::uint8_t> fixed) const;
   /// All arguments must outlive the problem, and so must the workpiece.
   ArapProblem problem(GlobalPhase& global, const NodeMap& nodes, DofMap& first, DofMap& dof,
                       In<Vec2> rotation) const;

@@ -41,10 +41,6 @@ const char* name(Overlapping overlapping) {
   return "";
 }
 
-Overlapping overlapping(const FlattenOptions& options) {
-  return options.overlaps.value_or(Overlapping::Report);
-}
-
 const char* name(Reference reference) {
   switch (reference) {
     case Reference::Surface: return "surface";

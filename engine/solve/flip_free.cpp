@@ -149,8 +149,7 @@ class Polish {
     const int iteration = minimum_.history.back().iteration + 1;
     minimum_.gradient = map_.gradient();
     const Phase phase = problem_.barrier ? Phase::Separate : Phase::Polish;
-    minimum_.history.push_back(
-        {iteration, map_.energy() / problem_.energy.area, minimum_.gradient, phase});
+    minimum_.history.push_back({iteration, map_.energy() / problem_.energy.area, minimum_.gradient, phase});
     const Iterate& now = minimum_.history.back();
     return say(monitor_, {phase, iteration, now.energy, now.gradient});
   }

@@ -33,12 +33,13 @@ class OverlapRemover {
   Result<void> operator()() {
     OverlapRemoval& removal = minimum_.overlaps;
     removal.pairs_before = pairs(minimum_.uv);
-    removal.arap_before = minimum_.history.back().energy;
+    removal.energy_before = minimum_.history.back().energy;
     if (removal.pairs_before == 0) return {};
     auto first = starts_.first_map();
     if (!first) return fail(first.error());
-    if (is_free(*first)) {
-      minimum_.uv = std::move(*first);
+    if (is_free(first->uv, *first->dof)) {
+      minimum_.uv = std::move(first->uv);
+      problem_.dof->adopt(*first->dof);
       removal.start = OverlapRemoval::Start::FirstMap;
     } else if (starts_.convex_map) {
       if (auto begun = begin_convex(); !begun) return begun;
@@ -59,9 +60,8 @@ class OverlapRemover {
     for (const std::vector<Index>& corners : corners_) sum += find_overlaps(exec_, corners, uv).pairs;
     return sum;
   }
-  bool is_free(In<Vec2> uv) const {
-    return MapEnergy(exec_, problem_.energy).is_injective(uv) && problem_.dof->reversed_edges() == 0 &&
-           pairs(uv) == 0;
+  bool is_free(In<Vec2> uv, const DofMap& dof) const {
+    return MapEnergy(exec_, problem_.energy).is_injective(uv) && dof.reversed_edges() == 0 && pairs(uv) == 0;
   }
 
   /// A convex map is far from any minimum.
@@ -70,7 +70,7 @@ class OverlapRemover {
       return unfold(exec_, problem_, monitor_, std::move(start), minimum_.overlaps.newton_steps);
     });
     if (!uv) return fail(uv.error());
-    if (!is_free(*uv)) return {};
+    if (!is_free(*uv, *problem_.dof)) return {};
     minimum_.uv = std::move(*uv);
     minimum_.overlaps.start = OverlapRemoval::Start::ConvexMap;
     return {};
@@ -103,13 +103,13 @@ class OverlapRemover {
                               minimum_.overlaps.newton_steps);
     if (!uv) return fail(uv.error());
     if (!*uv) return {};
-    problem_.dof = near->dof;
-    std::vector<Vec2> x = **uv;
-    x.resize(problem_.dof->size());
-    problem_.dof->collect(x);
-    if (!problem_.dof->expand(x)) return {};
+    std::vector<Vec2> x = std::move(**uv);
+    x.resize(near->dof->size());
+    near->dof->collect(x);
+    if (!near->dof->expand(x)) return {};
     x.resize(near->uv.size());
-    if (!is_free(x)) return {};
+    if (!is_free(x, *near->dof)) return {};
+    problem_.dof = near->dof;
     minimum_.uv = std::move(x);
     minimum_.overlaps.start = OverlapRemoval::Start::Unconstrained;
     return {};

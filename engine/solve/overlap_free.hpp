@@ -1,6 +1,8 @@
 // From a map whose parts lie on one another to one whose parts do not.
 #pragma once
 
+#include <memory>
+
 #include "engine/solve/driver.hpp"
 #include "engine/solve/pulled_start.hpp"
 
@@ -8,12 +10,17 @@ namespace planish {
 
 /// Where a map free of overlaps may come from, cheapest first; none of them need be free of them.
 struct OverlapFreeStarts {
-  /// The map of the first rotations, and the poses of its features set.
-  std::function<Result<std::vector<Vec2>>()> first_map;
+  struct Map {
+    std::vector<Vec2> uv;  ///< [V]
+    std::unique_ptr<DofMap>
+        dof;  ///< of the problem's unknowns; its poses put the features where they lie in it
+  };
+  /// The map of the first rotations.
+  std::function<Result<Map>()> first_map;
   /// Without constraints: a map of any shape that has neither flips nor overlaps.
   std::function<Result<std::vector<Vec2>>()> convex_map = {};
-  /// With constraints: a map without them that is free of overlaps, where their features are to lie in it, and the DOF map
-  /// whose poses put them there.
+  /// With constraints: a map without them that is free of overlaps, and where their features are to lie in it. The DOF map
+  /// outlives the removal.
   struct NearConstraints {
     std::vector<Vec2> uv;
     std::vector<VertexPlace> place;
@@ -22,10 +29,11 @@ struct OverlapFreeStarts {
   std::function<Result<NearConstraints>()> near_constraints = {};
 };
 
-/// Takes a map of the same energy that is free of flips and overlaps down to its minimum among such maps: Newton steps of the
-/// map and a scaffold of triangles around it, made anew from time to time. Where no start is free of overlaps the map stays as it was.
-/// problem: all but its global phase;  minimum: in and out.   Fails: as minimise_arap(); NotBuilt.
-/// Cost: some tens of factorizations of twice the global phase's size.
+/// Takes a map that is free of flips and overlaps down to the minimum of the same energy among such maps, by Newton steps with
+/// a barrier between its boundary edges. Where no start is free of overlaps the map stays as it was.
+///   problem: all but its global phase;  minimum: in and out, its map injective (else nothing is done)
+/// Fails: as minimise_arap(), and what the starts fail with.
+/// Cost: some tens of factorizations of twice the global phase's size; where starts are far, hundreds.
 Result<void> remove_overlaps(const Exec& exec, const ArapProblem& problem, const OverlapFreeStarts& starts,
                              const FlattenOptions& options, const Monitor& monitor, Minimum& minimum);
 

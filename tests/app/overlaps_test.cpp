@@ -2,12 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
-#include "tests/app/program.hpp"
+#include "tests/app/constraint_support.hpp"
 
 using namespace planish::tests;
-using nlohmann::json;
 
 namespace {
 
@@ -88,6 +86,58 @@ TEST_CASE("overlaps: the same bits on one thread and on several") {
       CHECK(content_of(ramp.scratch.file("o.ply")) == once);
     }
   }
+}
+
+TEST_CASE("overlaps: a ramp whose ends are to lie at an angle is kept apart, and the angle holds") {
+  const Ramp ramp;
+  const std::string constraints = ramp.scratch.file("c.json");
+  write(constraints, R"({"version": 1,
+    "features": {"first": {"vertices": [0, 1, 2, 3]}, "last": {"vertices": [360, 361, 362, 363]}},
+    "constraints": [{"type": "line", "feature": "first"}, {"type": "line", "feature": "last"},
+                    {"type": "angle", "features": ["first", "last"], "degrees": 5}]})");
+  REQUIRE(ramp.flatten("-c " + constraints + " --overlaps report").code == 0);
+  CHECK(ramp.report().at("overlapping_pairs").get<int>() > 0);
+  const Ran ran = ramp.flatten("-c " + constraints + " --overlaps remove");
+  REQUIRE_MESSAGE(ran.code == 0, ran.err);
+  const json report = ramp.report();
+  CHECK(report.at("overlapping_pairs") == 0);
+  CHECK(report.at("overlaps").at("start") == "unconstrained");
+  CHECK(report.at("converged") == true);
+  const Ran check = checked(constraints, ramp.scratch.file("o.ply"), ramp.scratch.file("r.json"));
+  CHECK_MESSAGE(check.code == 0, check.out);
+  CHECK(verified(constraints, ramp.scratch.file("o.ply"), ramp.scratch.file("r.json")).code == 0);
+}
+
+TEST_CASE("overlaps: energies fall from the map that the removal begins at to the one it ends at") {
+  const Ramp ramp;
+  REQUIRE(ramp.flatten("--overlaps remove").code == 0);
+  const json report = ramp.report();
+  double before = 0;
+  int steps = 0;
+  for (const json& step : report.at("history")) {
+    if (step.at("phase") != "separate") continue;
+    const double now = step.at("energy").get<double>();
+    if (steps++ > 0) CHECK(now <= before * (1 + 1e-12));
+    before = now;
+  }
+  CHECK(steps > 2);
+}
+
+TEST_CASE("overlaps: where pins ask for them the map stays, and it is said") {
+  // The ends are pinned across one another: no map that meets the pins is free of overlaps.
+  const Ramp ramp;
+  const std::string constraints = ramp.scratch.file("c.json");
+  write(constraints, R"({"version": 1, "features": {},
+    "constraints": [{"type": "pin", "vertices": [0, 1, 2, 3], "uv": [[1, 0], [1.1, 0], [1.2, 0], [1.3, 0]]},
+                    {"type": "pin", "vertices": [360, 361, 362, 363],
+                     "uv": [[1.15, -0.15], [1.15, -0.05], [1.15, 0.05], [1.15, 0.15]]}]})");
+  REQUIRE(ramp.flatten("-c " + constraints + " --overlaps report").code == 0);
+  const std::string reported = content_of(ramp.scratch.file("o.ply"));
+  const Ran ran = ramp.flatten("-c " + constraints + " --overlaps remove");
+  CHECK(ran.code == 6);
+  CHECK(has(ran.err, "pairs of triangles lie on one another"));
+  CHECK(content_of(ramp.scratch.file("o.ply")) == reported);
+  CHECK(ramp.report().at("overlaps").at("start") == "none");
 }
 
 TEST_CASE("overlaps: they are not removed from maps with flips") {

@@ -46,15 +46,7 @@ struct OpenFrame {
     for (const Vec3 p : piece.mesh().position) flat.push_back({p.x, p.y});
   }
 
-  ArapEnergy energy() const {
-    return {.corner_vertex = piece.mesh().corner_vertex,
-            .stars = piece.topology().stars(),
-            .star_corner = piece.topology().star_corner,
-            .frame = piece.geometry.frame,
-            .cotangent = piece.geometry.cotangent,
-            .fixed = nodes.fixed,
-            .area = piece.geometry.area};
-  }
+  ArapEnergy energy() const { return piece.energy(nodes.fixed); }
   BoundaryBarrier barrier() const { return {exec, energy(), piece.topology(), piece.component}; }
   /// Vertices of the end that closes the slit, and where it is put; x, y in the mesh's units.
   bool is_last(Index v) const {
