@@ -27,7 +27,8 @@ def sample(program, folder, triangles, count):
 
 def flatten(program, mesh, features, folder):
     report = folder / "report.json"
-    command = [program, "flatten", str(mesh), "-o", str(folder / "out.ply"), "--report", str(report), "--quiet"]
+    command = [program, "flatten", str(mesh), "-o", str(folder / "out.ply"), "--report", str(report), "--quiet",
+               "--flips", "keep"]
     begin = time.monotonic()
     code = subprocess.run(command + features, stderr=subprocess.DEVNULL).returncode
     seconds = time.monotonic() - begin

@@ -2,8 +2,10 @@
 """flips.py PROGRAM FOLDER...: what removing flips takes on the meshes and constraint sets of folders, a table row each.
 
 A mesh without boundary is opened with --cut auto. NAME.SET.constraints.json is a set for the mesh that NAME.features.json
-names. Columns: flipped triangles and overwound vertices where local/global steps ended, and in the result; Newton steps in
-patches (of the slowest ones), away from flips, and down to the minimum; energies; seconds of the whole process.
+names. Columns: flipped triangles and overwound vertices where local/global steps ended, and in the result; overlapping pairs
+(with --overlaps remove, which goes to the program as every unknown option does: before, in the result, and the map that the
+removal began at); Newton steps in patches (of the slowest ones), away from flips, and down to the minimum; energies; seconds of
+the whole process.
 """
 import argparse
 import json
@@ -42,6 +44,11 @@ def figure(value, form):
     return "inf" if value is None else format(value, form)
 
 
+def overlaps(report):
+    removal, left = report["overlaps"], report["overlapping_pairs"]
+    return f"{removal['pairs_before']}, {left}, {removal['start']}" if removal.get("pairs_before") else str(left)
+
+
 def row(name, seconds, code, report):
     if report is None:
         return [name, str(code)] + [""] * 10 + [f"{seconds:.1f}"]
@@ -49,7 +56,7 @@ def row(name, seconds, code, report):
     residuals = [c["residual"] for c in report.get("constraints", [])]
     return [name, str(code),
             f"{flips.get('flipped_before', '')} / {flips.get('overwound_before', '')}",
-            f"{report['flipped_triangles']} / {report['overwound_vertices']}", str(report["overlapping_pairs"]),
+            f"{report['flipped_triangles']} / {report['overwound_vertices']}", overlaps(report),
             f"{flips.get('patch_steps', '')} / {flips.get('untangling_steps', '')} / {flips.get('newton_steps', '')}",
             str(report["iterations"]), f"{report['gradient'] or 0:.1e}", figure(flips.get("arap_before"), ".4e"),
             figure(energy["arap"], ".4e"), figure(energy["symmetric_dirichlet"], ".4f"),

@@ -16,7 +16,8 @@ import time
 def run(program, mesh, folder, extra):
     report = pathlib.Path(folder) / "report.json"
     begin = time.monotonic()
-    command = [program, "flatten", mesh, "-o", str(pathlib.Path(folder) / "out.ply"), "--report", str(report), "--quiet"]
+    command = [program, "flatten", mesh, "-o", str(pathlib.Path(folder) / "out.ply"), "--report", str(report), "--quiet",
+               "--flips", "keep"]
     code = subprocess.run(command + extra, stderr=subprocess.DEVNULL).returncode
     seconds = time.monotonic() - begin
     if code not in (0, 6):

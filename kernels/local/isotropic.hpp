@@ -40,8 +40,8 @@ struct IsotropicTerms {
 };
 
 /// What the barrier adds to ARAP: weight * (1 - d/delta)^3 / (d/delta) for det J = d < delta, infinite for d <= 0. A lower
-/// or thinner one costs less energy and many times the steps: what is squeezed crumples before it meets the barrier. Measured
-/// in perf/README.md.   Ref: DESIGN 3.6.
+/// or thinner one costs less energy and more time: what is squeezed crumples before it meets the barrier. Measured in
+/// perf/README.md.   Ref: DESIGN 3.6.
 struct Barrier {
   double weight = 5e-3, delta = 0.2;
 };
