@@ -222,6 +222,7 @@ bool PoseGroup::move_to(In<double> y) {
 }
 
 void PoseGroup::pull_back(In<double> slot_gradient, Out<double> gradient) const {
+  if (gradient.empty()) return;  // joints leave nothing free
   Eigen::VectorXd g(static_cast<Eigen::Index>(slot_.size()));
   for (std::size_t i = 0; i < slot_.size(); ++i) g[static_cast<Eigen::Index>(i)] = slot_gradient[slot_[i]];
   Eigen::Map<Eigen::VectorXd>(gradient.data(), static_cast<Eigen::Index>(gradient.size())) =
