@@ -215,7 +215,10 @@ class Run {
   Result<void> separate(const ArapProblem& arap, Minimum& minimum) {
     OverlapFreeStarts starts{.first_map = [&] { return first_map(arap); }};
     if (!system_) starts.convex_map = arap.last_resort;
-    if (system_) starts.near_constraints = [this] { return near_constraints(); };
+    if (system_) {
+      starts.unconstrained_map = [this] { return unconstrained_map(); };
+      starts.near_constraints = [this](std::vector<Vec2> uv) { return near_constraints(std::move(uv)); };
+    }
     auto done = remove_overlaps(exec_, arap, starts, options_, monitor_, minimum);
     if (minimum.overlaps.start != OverlapRemoval::Start::Unconstrained) return done;
     start_.first.reset();
@@ -224,15 +227,13 @@ class Run {
     return done;
   }
 
-  /// The map without constraints, moved so that features in their shapes lie where they fit it best.
-  Result<OverlapFreeStarts::NearConstraints> near_constraints() {
-    auto map = unconstrained_map();
-    if (!map) return fail(map.error());
+  /// A map moved so that features in their shapes lie where they fit it best.
+  Result<OverlapFreeStarts::NearConstraints> near_constraints(std::vector<Vec2> uv) {
     near_system_ = std::make_unique<ConstraintSystem>(*system_);
-    auto near = planish::near_constraints(piece_, *near_system_, std::move(*map));
+    auto near = planish::near_constraints(piece_, *near_system_, std::move(uv));
     if (!near) return fail(near.error());
     near_dof_ = std::move(near->dof);
-    return OverlapFreeStarts::NearConstraints{std::move(near->uv), std::move(near->place), near_dof_.get()};
+    return OverlapFreeStarts::NearConstraints{{std::move(near->uv), std::move(near->place)}, near_dof_.get()};
   }
 
   /// In the units and the order of the mesh here.

@@ -43,7 +43,7 @@ class OverlapRemover {
       removal.start = OverlapRemoval::Start::FirstMap;
     } else if (starts_.convex_map) {
       if (auto begun = begin_convex(); !begun) return begun;
-    } else if (starts_.near_constraints) {
+    } else if (starts_.unconstrained_map) {
       if (auto begun = begin_near_constraints(); !begun) return begun;
     }
     if (removal.start == OverlapRemoval::Start::None) return {};
@@ -76,21 +76,36 @@ class OverlapRemover {
     return {};
   }
 
-  /// A map without constraints, features pulled to where constraints want them.
+  /// A map without constraints, features pulled to where constraints want them. Constraints that cannot be met near this map
+  /// may well be met elsewhere.
   Result<void> begin_near_constraints() {
-    auto near = starts_.near_constraints();
-    if (!near) {
-      // Constraints that cannot be met near this map may well be met elsewhere.
-      return near.error().code == ErrorCode::ConstraintsConflict ? Result<void>() : fail(near.error());
+    auto uv = starts_.unconstrained_map();
+    if (!uv) return fail(uv.error());
+    if (pairs(*uv) > 0) return {};
+    DofMap* dof = nullptr;
+    const FindPlaces find_places = [&](std::vector<Vec2> at) -> Result<PulledMap> {
+      auto near = starts_.near_constraints(std::move(at));
+      if (!near) return fail(near.error());
+      dof = near->dof;
+      return PulledMap(std::move(*near));
+    };
+    auto pulled = pull(find_places, std::move(*uv));
+    if (!pulled) {
+      return pulled.error().code == ErrorCode::ConstraintsConflict ? Result<void>() : fail(pulled.error());
     }
-    if (pairs(near->uv) > 0) return {};
+    if (*pulled) begin_at(std::move(**pulled), *dof);
+    return {};
+  }
+
+  Result<std::optional<std::vector<Vec2>>> pull(const FindPlaces& find_places, std::vector<Vec2> uv) {
+    auto near = find_places(std::move(uv));
+    if (!near) return fail(near.error());
     NodeMap nodes{.node = std::vector<Index>(near->uv.size()),
-                  .fixed = {},
+                  .fixed = held_elsewhere(near->place),
                   .place = {},
                   .assembly_node = {},
                   .num_nodes = problem_.energy.num_vertices()};
     std::iota(nodes.node.begin(), nodes.node.end(), 0);
-    nodes.fixed = held_elsewhere(near->place);
     for (std::size_t v = 0; v < nodes.fixed.size(); ++v) {
       if (nodes.fixed[v]) nodes.node[v] = kNone;
     }
@@ -99,20 +114,21 @@ class OverlapRemover {
     unconstrained.dof = &free;
     unconstrained.energy.fixed = nodes.fixed;
     unconstrained.turns_freely.assign(problem_.num_components, 0);
-    auto uv = pull_into_place(exec_, unconstrained, density_of(options_), near->place, monitor_, near->uv,
-                              minimum_.overlaps.newton_steps);
-    if (!uv) return fail(uv.error());
-    if (!*uv) return {};
-    std::vector<Vec2> x = std::move(**uv);
-    x.resize(near->dof->size());
-    near->dof->collect(x);
-    if (!near->dof->expand(x)) return {};
-    x.resize(near->uv.size());
-    if (!is_free(x, *near->dof)) return {};
-    problem_.dof = near->dof;
-    minimum_.uv = std::move(x);
+    return pull_into_place(exec_, unconstrained, density_of(options_), find_places, monitor_,
+                           std::move(near->uv), minimum_.overlaps.newton_steps);
+  }
+
+  /// Unless it has flips or overlaps. dof: its poses put the features where they lie in uv.
+  void begin_at(std::vector<Vec2> uv, DofMap& dof) {
+    const std::size_t num_vertices = uv.size();
+    uv.resize(dof.size());
+    dof.collect(uv);
+    if (!dof.expand(uv)) return;
+    uv.resize(num_vertices);
+    if (!is_free(uv, dof)) return;
+    problem_.dof = &dof;
+    minimum_.uv = std::move(uv);
     minimum_.overlaps.start = OverlapRemoval::Start::Unconstrained;
-    return {};
   }
 
   /// [V] the held vertices of components none of whose vertices is pulled.

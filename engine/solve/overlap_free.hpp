@@ -19,14 +19,14 @@ struct OverlapFreeStarts {
   std::function<Result<Map>()> first_map;
   /// Without constraints: a map of any shape that has neither flips nor overlaps.
   std::function<Result<std::vector<Vec2>>()> convex_map = {};
-  /// With constraints: a map without them that is free of overlaps, and where their features are to lie in it. The DOF map
-  /// outlives the removal.
-  struct NearConstraints {
-    std::vector<Vec2> uv;
-    std::vector<VertexPlace> place;
-    DofMap* dof = nullptr;
+  /// With constraints: a map without them.
+  std::function<Result<std::vector<Vec2>>()> unconstrained_map = {};
+  /// Where features are to lie near a map, and what the DOF map holds at 0. The DOF map is that of the last call, and outlives
+  /// the removal.
+  struct NearConstraints : PulledMap {
+    DofMap* dof = nullptr;  ///< its poses put the features in their places
   };
-  std::function<Result<NearConstraints>()> near_constraints = {};
+  std::function<Result<NearConstraints>(std::vector<Vec2> uv)> near_constraints = {};
 };
 
 /// Takes a map that is free of flips and overlaps down to the minimum of the same energy among such maps, by Newton steps with

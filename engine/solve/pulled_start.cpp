@@ -21,12 +21,18 @@ std::vector<Vec2> with_places(In<Vec2> uv, In<VertexPlace> places) {
 }  // namespace
 
 Result<std::optional<std::vector<Vec2>>> pull_into_place(const Exec& exec, const ArapProblem& problem,
-                                                         const MapDensity& density, In<VertexPlace> places,
+                                                         const MapDensity& density,
+                                                         const FindPlaces& find_places,
                                                          const Monitor& monitor, std::vector<Vec2> uv,
                                                          int& steps) {
   NewtonMap map = whole_map(exec, problem, std::move(uv));
+  std::vector<VertexPlace> places;
   for (double stiffness = kFirstStiffness; stiffness <= kMostStiffness; stiffness *= kMoreStiffness) {
+    auto found = find_places({map.uv().begin(), map.uv().end()});
+    if (!found) return fail(found.error());
+    places = std::move(found->place);
     map.pull(places, stiffness);
+    map.move_to(std::move(found->uv));
     map.lower(density);
     Descent descent(map, kSettled, kMostStepsEach);
     const auto descended = unless_degenerate(take_steps(descent, map, monitor, steps));

@@ -53,7 +53,8 @@ struct Sheet {
   }
   Result<std::optional<std::vector<Vec2>>> pull(const std::vector<VertexPlace>& places) const {
     int steps = 0;
-    return pull_into_place(exec, problem(), {}, places, {}, flat, steps);
+    const auto stay = [&](std::vector<Vec2> uv) { return PulledMap{std::move(uv), places}; };
+    return pull_into_place(exec, problem(), {}, stay, {}, flat, steps);
   }
 };
 
