@@ -114,42 +114,79 @@ BoxTree tree_of(const Exec& exec, In<Image> images) {
   return BoxTree(exec, box);
 }
 
+/// Calls visit(block, a, b) for overlapping pairs, blocks in parallel.
+class PairSearch {
+ public:
+  PairSearch(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv)
+      : exec_(exec), images_(images_of(exec, corner_vertex, uv)), tree_(tree_of(exec, images_)) {
+    images_ = in_order(images_, tree_.order());
+  }
+  Index num_blocks() const { return Exec::num_blocks(tree_.num_leaves(), kLeavesPerBlock); }
+  In<Image> images() const { return images_; }
+
+  template <class Visit>
+  void operator()(Visit visit) const {
+    exec_.for_blocks(tree_.num_leaves(), kLeavesPerBlock, [&](Index block, Range r) {
+      const auto compare = [&](const Image& a, const Image& b) {
+        if (a.box.meets(b.box) && !share_vertex(a, b) && share_interior(a, b)) visit(block, a, b);
+      };
+      for (Index leaf = r.begin; leaf < r.end; ++leaf) {
+        const Range mine = tree_.leaf(leaf);
+        tree_.visit_meeting(tree_.leaf_box(leaf), leaf, [&](Index other) {
+          const Range theirs = tree_.leaf(other);
+          for (Index i = mine.begin; i < mine.end; ++i) {
+            for (Index j = other == leaf ? i + 1 : theirs.begin; j < theirs.end; ++j)
+              compare(images_[i], images_[j]);
+          }
+        });
+      }
+    });
+  }
+
+ private:
+  static constexpr Index kLeavesPerBlock = 256;
+  const Exec& exec_;
+  std::vector<Image> images_;
+  BoxTree tree_;
+};
+
+double image_area(const Image& image) {
+  const auto& p = image.point;
+  return 0.5 * cross(p[1] - p[0], p[2] - p[0]);
+}
+
 }  // namespace
 
 Overlaps find_overlaps(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
-  constexpr Index kLeavesPerBlock = 256;
-  std::vector<Image> images = images_of(exec, corner_vertex, uv);
-  const BoxTree tree = tree_of(exec, images);
-  images = in_order(images, tree.order());
-  std::vector<Overlaps> part(Exec::num_blocks(tree.num_leaves(), kLeavesPerBlock));
-  exec.for_blocks(tree.num_leaves(), kLeavesPerBlock, [&](Index block, Range r) {
-    Overlaps& sum = part[block];
-    const auto compare = [&](const Image& a, const Image& b) {
-      if (a.box.meets(b.box) && !share_vertex(a, b) && share_interior(a, b)) add_pair(a, b, sum);
-    };
-    for (Index leaf = r.begin; leaf < r.end; ++leaf) {
-      const Range mine = tree.leaf(leaf);
-      for (Index i = mine.begin; i < mine.end; ++i) {
-        const auto& p = images[i].point;
-        sum.map_area += 0.5 * cross(p[1] - p[0], p[2] - p[0]);
-      }
-      tree.visit_meeting(tree.leaf_box(leaf), leaf, [&](Index other) {
-        const Range theirs = tree.leaf(other);
-        for (Index i = mine.begin; i < mine.end; ++i) {
-          for (Index j = other == leaf ? i + 1 : theirs.begin; j < theirs.end; ++j)
-            compare(images[i], images[j]);
-        }
-      });
-    }
-  });
+  const PairSearch search(exec, corner_vertex, uv);
+  std::vector<Overlaps> part(search.num_blocks());
+  search([&](Index block, const Image& a, const Image& b) { add_pair(a, b, part[block]); });
   Overlaps all;
   for (const Overlaps& p : part) {
     all.pairs += p.pairs;
     all.common_area += p.common_area;
-    all.map_area += p.map_area;
     all.first.insert(all.first.end(), p.first.begin(), p.first.end());
   }
+  all.map_area = exec.sum_blocks(static_cast<Index>(search.images().size()), kBlock, [&](Range r) {
+    double sum = 0;
+    for (Index i = r.begin; i < r.end; ++i) sum += image_area(search.images()[i]);
+    return sum;
+  });
   keep_first(all.first, 0);
+  return all;
+}
+
+std::vector<Index> overlapping_triangles(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
+  const PairSearch search(exec, corner_vertex, uv);
+  std::vector<std::vector<Index>> part(search.num_blocks());
+  search([&](Index block, const Image& a, const Image& b) {
+    part[block].push_back(a.triangle);
+    part[block].push_back(b.triangle);
+  });
+  std::vector<Index> all;
+  for (const std::vector<Index>& p : part) all.insert(all.end(), p.begin(), p.end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
 }
 

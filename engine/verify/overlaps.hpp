@@ -22,4 +22,7 @@ struct Overlaps {
 ///   corner_vertex [3 T];  uv [V], finite.   Cost: O(T log T + candidate pairs).
 Overlaps find_overlaps(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv);
 
+/// The triangles of those pairs, ascending, each once.
+std::vector<Index> overlapping_triangles(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv);
+
 }  // namespace planish

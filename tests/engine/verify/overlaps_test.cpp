@@ -93,6 +93,21 @@ TEST_CASE("overlaps: pairs and common area of random triangles agree with brute 
   CHECK(find_overlaps(Exec(7), soup.corner_vertex, uv).common_area == o.common_area);
 }
 
+TEST_CASE("overlaps: the triangles of all pairs are found, each once, beyond the pairs that are listed") {
+  Mesh mesh;
+  for (int k = 0; k < 100; ++k) {
+    const double x = 0.7 * k;  // each meets the next one
+    mesh = shapes::joined(mesh, shapes::triangle({x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}));
+  }
+  mesh = shapes::joined(mesh, shapes::triangle({-9, 0, 0}, {-8, 0, 0}, {-9, 1, 0}));
+  const std::vector<Vec2> uv = dropped(mesh);
+  CHECK(overlaps_of(mesh, uv).pairs == 99);
+  std::vector<Index> expected(100);
+  for (Index t = 0; t < 100; ++t) expected[t] = t;
+  for (const int threads : {1, 2, 7})
+    CHECK(overlapping_triangles(Exec(threads), mesh.corner_vertex, uv) == expected);
+}
+
 TEST_CASE("overlaps: a strip wound twice around covers twice") {
   // A spiral ring: second turn exactly over the first but a little shifted outwards.
   Mesh ring;
