@@ -86,7 +86,7 @@ void add_flatten(CLI::App& app, FlattenArgs& args) {
   const std::map<std::string, Overlapping> overlaps = {{"report", Overlapping::Report},
                                                        {"remove", Overlapping::Remove}};
   app.add_option("--overlaps", args.options.overlaps,
-                 "parts of the map on one another: report or remove [report]")
+                 "parts of the map on one another: report or remove [remove where flips are untangled]")
       ->transform(CLI::CheckedTransformer(overlaps).description(""));
   const std::map<std::string, Flips> flips = {{"untangle", Flips::Untangle},
                                               {"weights", Flips::Weights},

@@ -239,7 +239,7 @@ class FlattenCommand {
   }
 
   bool has_unwanted_overlaps() const {
-    return args_.options.overlaps == Overlapping::Remove && flattening_.certificate.overlapping_pairs > 0;
+    return overlapping(args_.options) == Overlapping::Remove && flattening_.certificate.overlapping_pairs > 0;
   }
 
   void say_overlaps() const {

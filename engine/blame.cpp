@@ -35,6 +35,8 @@ Result<Blame> find_blame(const Surface& surface, const Constraints& constraints,
   const auto time_is_up = [&] {
     return std::chrono::duration<double>(Clock::now() - begin).count() > seconds;
   };
+  FlattenOptions flips_alone = options;
+  flips_alone.overlaps = Overlapping::Report;
   Blame blame;
   if (constraints.features != nullptr)
     blame.features = features_at(surface, *constraints.features, flattening.certificate);
@@ -49,7 +51,7 @@ Result<Blame> find_blame(const Surface& surface, const Constraints& constraints,
     others.constraints.erase(others.constraints.begin() + static_cast<std::ptrdiff_t>(k));
     Constraints without = constraints;
     without.set = &others;
-    const auto flat = flatten(surface, without, options, until_then);
+    const auto flat = flatten(surface, without, flips_alone, until_then);
     if (stopped) return fail(ErrorCode::Cancelled, "stopped by the caller");
     if (!flat && flat.error().code == ErrorCode::Cancelled) break;
     ++blame.tried;

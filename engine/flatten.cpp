@@ -195,7 +195,7 @@ class Run {
       done = timed(Phase::Untangle, [&] { return remove_flips(exec_, arap, options_, monitor_, minimum); });
       global_.reset();
       if (done) done = timed(Phase::Polish, [&] { return polish(exec_, arap, options_, monitor_, minimum); });
-      if (done && options_.overlaps == Overlapping::Remove)
+      if (done && overlapping(options_) == Overlapping::Remove)
         done = timed(Phase::Separate, [&] { return separate(arap, minimum); });
     }
     if (!done) return done;
@@ -208,7 +208,7 @@ class Run {
     result_.removal = minimum.removal;
     result_.removal.method = options_.paper ? Flips::Weights : options_.flips;
     result_.overlaps = minimum.overlaps;
-    result_.overlaps.method = options_.overlaps;
+    result_.overlaps.method = overlapping(options_);
     return system_ ? system_->check_scales(*start_.last().poses()) : Result<void>();
   }
 
@@ -240,7 +240,11 @@ class Run {
   Result<std::vector<Vec2>> unconstrained_map() const {
     FlattenOptions options = options_;
     options.normalize = false;
-    auto flat = planish::flatten(surface_, {}, options, monitor_);
+    ConstraintSet none = *constraints_.set;
+    none.constraints.clear();
+    Constraints outer_alone = constraints_;
+    outer_alone.set = &none;
+    auto flat = planish::flatten(surface_, outer_alone, options, monitor_);
     if (!flat) return fail(flat.error());
     std::vector<Vec2> uv;
     for (const Index v : mesh().vertex_origin) uv.push_back((1 / mesh().unit) * flat->uv[v]);

@@ -69,6 +69,7 @@ struct OverlapRemoval {
   /// Map that the descent without overlaps began at.
   enum class Start {
     None,          ///< none was found, the map stayed as it was
+    Straightened,  ///< the one that was reached, its boundary laid straight where it curled over itself
     FirstMap,      ///< that of the first rotations
     ConvexMap,     ///< one of the whole onto a disk
     Unconstrained  ///< the map without constraints, which they were brought to

@@ -26,6 +26,7 @@ const char* name(Flips flips) {
 const char* name(OverlapRemoval::Start start) {
   switch (start) {
     case OverlapRemoval::Start::None: return "none";
+    case OverlapRemoval::Start::Straightened: return "straightened";
     case OverlapRemoval::Start::FirstMap: return "first_map";
     case OverlapRemoval::Start::ConvexMap: return "convex_map";
     case OverlapRemoval::Start::Unconstrained: return "unconstrained";
@@ -39,6 +40,11 @@ const char* name(Overlapping overlapping) {
     case Overlapping::Remove: return "remove";
   }
   return "";
+}
+
+Overlapping overlapping(const FlattenOptions& options) {
+  const bool untangled = !options.paper && options.flips == Flips::Untangle;
+  return options.overlaps.value_or(untangled ? Overlapping::Remove : Overlapping::Report);
 }
 
 const char* name(Reference reference) {

@@ -1,6 +1,8 @@
 // Every tunable of flatten: unit, range, default.
 #pragma once
 
+#include <optional>
+
 namespace planish {
 
 /// Where the first rotations come from (DESIGN 3.1).
@@ -41,8 +43,8 @@ struct FlattenOptions {
   Init init = Init::Uniform;
   Energy energy = Energy::Arap;
   Flips flips = Flips::Untangle;
-  Overlapping overlaps = Overlapping::Report;
-  double tolerance = 1e-6;   ///< of the gradient (DESIGN 3.5), > 0
+  std::optional<Overlapping> overlaps = {};  ///< unset: removed where flips are untangled, else reported
+  double tolerance = 1e-6;                   ///< of the gradient (DESIGN 3.5), > 0
   int max_iterations = 500;  ///< local/global and Newton steps after the first global solve, >= 0
   /// The paper's own variant: directions of features as the first rotations have them, flipped triangles weigh more from
   /// global step to global step until none is left, triangles at features keep their first rotations.
@@ -51,6 +53,9 @@ struct FlattenOptions {
   bool normalize = false;        ///< scale and move uv into the unit square
   int threads = 0;               ///< 0: the arena of the calling thread
 };
+
+/// What options say about overlaps, or mean where they do not say.
+Overlapping overlapping(const FlattenOptions& options);
 
 /// What a map's triangles are compared with when it is deformed (DESIGN 3.7).
 enum class Reference {

@@ -6,6 +6,7 @@
 #include "engine/solve/convex_start.hpp"
 #include "engine/solve/flip_free.hpp"
 #include "engine/solve/map_energy.hpp"
+#include "engine/solve/straightened_start.hpp"
 #include "engine/verify/overlaps.hpp"
 
 namespace planish {
@@ -22,10 +23,12 @@ class OverlapRemover {
         monitor_(monitor),
         minimum_(minimum),
         barrier_(exec, problem.energy, *problem.topology, problem.vertex_component),
-        corners_(problem.num_components) {
-    for (std::size_t c = 0; c < problem.energy.corner_vertex.size(); ++c) {
-      const Index v = problem.energy.corner_vertex[c];
-      corners_[problem.vertex_component[v]].push_back(v);
+        corners_(problem.num_components),
+        triangles_(problem.num_components) {
+    for (Index c = 0; c < static_cast<Index>(problem.energy.corner_vertex.size()); ++c) {
+      const Index v = problem.energy.corner_vertex[c], component = problem.vertex_component[v];
+      corners_[component].push_back(v);
+      if (c % 3 == 0) triangles_[component].push_back(c / 3);
     }
     problem_.barrier = &barrier_;
   }
@@ -35,16 +38,10 @@ class OverlapRemover {
     removal.pairs_before = pairs(minimum_.uv);
     removal.energy_before = minimum_.history.back().energy;
     if (removal.pairs_before == 0) return {};
-    auto first = starts_.first_map();
-    if (!first) return fail(first.error());
-    if (is_free(first->uv, *first->dof)) {
-      minimum_.uv = std::move(first->uv);
-      problem_.dof->adopt(*first->dof);
-      removal.start = OverlapRemoval::Start::FirstMap;
-    } else if (starts_.convex_map) {
-      if (auto begun = begin_convex(); !begun) return begun;
-    } else if (starts_.unconstrained_map) {
-      if (auto begun = begin_near_constraints(); !begun) return begun;
+    for (const auto begin : {&OverlapRemover::begin_straightened, &OverlapRemover::begin_first_map,
+                             &OverlapRemover::begin_convex, &OverlapRemover::begin_near_constraints}) {
+      if (removal.start != OverlapRemoval::Start::None) break;
+      if (auto begun = (this->*begin)(); !begun) return begun;
     }
     if (removal.start == OverlapRemoval::Start::None) return {};
     const int steps_before = minimum_.removal.newton_steps;
@@ -64,8 +61,36 @@ class OverlapRemover {
     return MapEnergy(exec_, problem_.energy).is_injective(uv) && dof.reversed_edges() == 0 && pairs(uv) == 0;
   }
 
+  Result<void> begin_straightened() {
+    const auto find = [&](In<Vec2> uv) {
+      std::vector<Index> all;
+      for (std::size_t k = 0; k < corners_.size(); ++k) {
+        for (const Index t : overlapping_triangles(exec_, corners_[k], uv)) all.push_back(triangles_[k][t]);
+      }
+      return all;
+    };
+    auto uv =
+        straighten_boundary(exec_, problem_, find, monitor_, minimum_.uv, minimum_.overlaps.newton_steps);
+    if (!uv) return fail(uv.error());
+    if (!*uv) return {};
+    minimum_.uv = std::move(**uv);
+    minimum_.overlaps.start = OverlapRemoval::Start::Straightened;
+    return {};
+  }
+
+  Result<void> begin_first_map() {
+    auto first = starts_.first_map();
+    if (!first) return fail(first.error());
+    if (!is_free(first->uv, *first->dof)) return {};
+    minimum_.uv = std::move(first->uv);
+    problem_.dof->adopt(*first->dof);
+    minimum_.overlaps.start = OverlapRemoval::Start::FirstMap;
+    return {};
+  }
+
   /// A convex map is far from any minimum.
   Result<void> begin_convex() {
+    if (!starts_.convex_map) return {};
     auto uv = starts_.convex_map().and_then([&](std::vector<Vec2> start) {
       return unfold(exec_, problem_, monitor_, std::move(start), minimum_.overlaps.newton_steps);
     });
@@ -79,6 +104,7 @@ class OverlapRemover {
   /// A map without constraints, features pulled to where constraints want them. Constraints that cannot be met near this map
   /// may well be met elsewhere.
   Result<void> begin_near_constraints() {
+    if (!starts_.unconstrained_map) return {};
     auto uv = starts_.unconstrained_map();
     if (!uv) return fail(uv.error());
     if (pairs(*uv) > 0) return {};
@@ -155,7 +181,8 @@ class OverlapRemover {
   const Monitor& monitor_;
   Minimum& minimum_;
   BoundaryBarrier barrier_;
-  std::vector<std::vector<Index>> corners_;  // vertices of the triangles, per component
+  std::vector<std::vector<Index>> corners_,
+      triangles_;  // per component: vertices of the corners; which triangles
 };
 
 }  // namespace

@@ -332,7 +332,7 @@ TEST_CASE("constraints: the outer loop is the one that is named") {
     write(scratch.file("c.json"), file_of(R"("rim": {"loop": 0}, "hole": {"boundary_near": [3.5, 3.5, 0]})",
                                           R"({"type": "circle", "feature": "hole"})", more));
     const Ran ran = run("flatten " + scratch.file("in.obj") + " -c " + scratch.file("c.json") + " -o " +
-                        scratch.file("o.ply") + " --report " + scratch.file("r.json"));
+                        scratch.file("o.ply") + " --report " + scratch.file("r.json") + " --overlaps report");
     REQUIRE_MESSAGE(ran.code == 0, ran.err);
     const json report = json::parse(content_of(scratch.file("r.json")));
     CHECK(report.at("mesh").at("outer") == json({has(outer, "hole") ? 1 : 0}));
