@@ -49,8 +49,7 @@ def spiral_pins(turns):
         for j in range(ACROSS + 1):
             if i in (0, LONG) or j in (0, ACROSS):
                 r = radius + pitch * phi + j - ACROSS / 2
-                # outward on the right of the way: turned so that the bar keeps its side up
-                pins[i * (ACROSS + 1) + j] = [r * math.sin(-phi), r * math.cos(-phi)]
+                pins[i * (ACROSS + 1) + j] = [r * math.sin(phi), r * math.cos(phi)]
     return {"version": 1, "features": {},
             "constraints": [{"type": "pin", "vertices": list(pins), "uv": list(pins.values())}]}
 

@@ -8,6 +8,8 @@ namespace {
 // Continuation: epsilon follows the least determinant down.
 constexpr double kLeastEpsilon = 1e-9;
 constexpr double kSlowestDecrease = 0.1;
+/// Epsilon stays while a step lowers the energy by more than this share.
+constexpr double kStillFalling = 0.1;
 /// A map is handed over once its determinants are clearly positive, or grow no more.
 constexpr double kClearlyPositive = 1e-3;
 constexpr double kSettled = 1e-3;
@@ -57,7 +59,8 @@ Result<void> Untangling::step() {
   look();
   const bool settled = was_positive && positive_ && (!moved || before - map_.energy() < kSettled * before);
   done_ = done_ || settled || (!moved && density_.epsilon == kLeastEpsilon);
-  density_.epsilon = next_epsilon(density_.epsilon, least_, before, map_.energy());
+  const bool falling = moved && before - map_.energy() > kStillFalling * before;
+  if (!falling) density_.epsilon = next_epsilon(density_.epsilon, least_, before, map_.energy());
   return {};
 }
 

@@ -66,12 +66,12 @@ struct Grid {
 }  // namespace
 
 TEST_CASE("untangling: a square whose inner vertices are anywhere is laid out without flips") {
-  const Grid grid(12);
+  const Grid grid(30);
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const ArapEnergy energy = grid.energy();
     NewtonMap map(grid.exec, energy, grid.inner(), nullptr, grid.scattered(seed));
     REQUIRE(map.measure().flipped(map.uv()).size() > 50);
-    Untangling untangling(map, 200);
+    Untangling untangling(map, 100);
     while (!untangling.is_done()) REQUIRE(untangling.step());
     CHECK(untangling.is_positive());
     CHECK(map.measure().is_injective(map.uv()));
