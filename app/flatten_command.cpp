@@ -112,7 +112,7 @@ class FlattenCommand {
   Result<void> blame() {
     constexpr double kSeconds = 60;
     const bool asked = args_.options.flips == Flips::Untangle && !args_.options.paper;
-    if (!has_flips() || !asked || args_.constraints.empty()) return {};
+    if (!(has_flips() || has_unwanted_overlaps()) || !asked || args_.constraints.empty()) return {};
     auto found = find_blame(flat_surface(), constraints(), solved_, args_.options, kSeconds, monitor_);
     if (!found) return fail(placed(found.error()));
     blame_ = std::move(*found);
@@ -244,17 +244,26 @@ class FlattenCommand {
 
   void say_overlaps() const {
     const OverlapRemoval& removal = flattening_.overlaps;
+    const Certificate& c = flattening_.certificate;
     fmt::print(
-        stderr, "planish: {}: {} pairs of triangles lie on one another in the map, {:.2g} of its area; {}\n",
-        args_.mesh, flattening_.certificate.overlapping_pairs, flattening_.certificate.overlap_area_fraction,
+        stderr,
+        "planish: {}: {} pairs of triangles lie on one another in the map ({}-{}{}), {:.2g} of its area; "
+        "{}\n",
+        args_.mesh, c.overlapping_pairs, c.overlapping.front()[0], c.overlapping.front()[1],
+        c.overlapping_pairs > 1 ? ", ..." : "", c.overlap_area_fraction,
         has_flips() ? "they are removed from maps without flips only"
         : removal.start == OverlapRemoval::Start::None
             ? "no map without any was found to begin at: loosen constraints, or cut the mesh into parts"
             : "components that pins hold lie on one another: move their pins");
+    if (!has_flips()) say_blame();
   }
 
   void say_flips() const {
     planish::say_flips(args_.mesh, flattening_.certificate);
+    say_blame();
+  }
+
+  void say_blame() const {
     if (!blame_) return;
     if (!blame_->features.empty())
       fmt::print(stderr, "planish: {}: they touch the features \"{}\"\n", args_.constraints,

@@ -6,21 +6,26 @@
 namespace planish {
 namespace {
 
-bool has_faults(const Certificate& c) { return c.flipped_triangles > 0 || c.overwound_vertices > 0; }
+bool has_flips(const Certificate& c) { return c.flipped_triangles > 0 || c.overwound_vertices > 0; }
 
+/// Features with a vertex that is at fault, or a triangle.
 std::vector<std::string> features_at(const Surface& surface, const std::vector<Feature>& features,
                                      const Certificate& certificate) {
-  std::vector<std::uint8_t> at_fault(surface.num_vertices(), 0), flipped(surface.num_triangles(), 0);
+  std::vector<std::uint8_t> at_fault(surface.num_vertices(), 0), faulty(surface.num_triangles(), 0);
   for (const Index v : certificate.overwound) at_fault[v] = 1;
-  for (const Index t : certificate.flipped) {
-    flipped[t] = 1;
+  const auto mark = [&](Index t) {
+    faulty[t] = 1;
     for (Index c = 3 * t; c < 3 * t + 3; ++c) at_fault[surface.corner_vertex[c]] = 1;
+  };
+  for (const Index t : certificate.flipped) mark(t);
+  if (!has_flips(certificate)) {
+    for (const auto& [first, second] : certificate.overlapping) mark(first), mark(second);
   }
   std::vector<std::string> names;
   for (const Feature& feature : features) {
     const bool touched =
         std::any_of(feature.vertex.begin(), feature.vertex.end(), [&](Index v) { return at_fault[v]; }) ||
-        std::any_of(feature.triangle.begin(), feature.triangle.end(), [&](Index t) { return flipped[t]; });
+        std::any_of(feature.triangle.begin(), feature.triangle.end(), [&](Index t) { return faulty[t]; });
     if (touched) names.push_back(feature.name);
   }
   return names;
@@ -35,8 +40,9 @@ Result<Blame> find_blame(const Surface& surface, const Constraints& constraints,
   const auto time_is_up = [&] {
     return std::chrono::duration<double>(Clock::now() - begin).count() > seconds;
   };
-  FlattenOptions flips_alone = options;
-  flips_alone.overlaps = Overlapping::Report;
+  const bool about_flips = has_flips(flattening.certificate);
+  FlattenOptions tried = options;
+  if (about_flips) tried.overlaps = Overlapping::Report;
   Blame blame;
   if (constraints.features != nullptr)
     blame.features = features_at(surface, *constraints.features, flattening.certificate);
@@ -51,11 +57,11 @@ Result<Blame> find_blame(const Surface& surface, const Constraints& constraints,
     others.constraints.erase(others.constraints.begin() + static_cast<std::ptrdiff_t>(k));
     Constraints without = constraints;
     without.set = &others;
-    const auto flat = flatten(surface, without, flips_alone, until_then);
+    const auto flat = flatten(surface, without, tried, until_then);
     if (stopped) return fail(ErrorCode::Cancelled, "stopped by the caller");
     if (!flat && flat.error().code == ErrorCode::Cancelled) break;
     ++blame.tried;
-    if (flat && !has_faults(flat->certificate))
+    if (flat && !has_flips(flat->certificate) && (about_flips || flat->certificate.overlapping_pairs == 0))
       blame.constraints.push_back(constraints.set->constraints[k].name);
   }
   return blame;

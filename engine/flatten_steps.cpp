@@ -97,9 +97,15 @@ Certificate measure_without_overlaps(const Exec& exec, const Workpiece& piece, I
 
 Certificate measure_map(const Exec& exec, const Workpiece& piece, In<Vec2> uv) {
   Certificate certificate = measure_without_overlaps(exec, piece, uv);
-  const Overlaps overlaps = find_overlaps(exec, piece.mesh().corner_vertex, uv);
+  Overlaps overlaps = find_overlaps(exec, piece.mesh().corner_vertex, uv);
   certificate.overlapping_pairs = overlaps.pairs;
   certificate.overlap_area_fraction = overlaps.map_area > 0 ? overlaps.common_area / overlaps.map_area : 0;
+  for (std::array<Index, 2>& pair : overlaps.first) {
+    for (Index& t : pair) t = piece.mesh().triangle_origin[t];
+    std::sort(pair.begin(), pair.end());
+  }
+  std::sort(overlaps.first.begin(), overlaps.first.end());
+  certificate.overlapping = std::move(overlaps.first);
   return certificate;
 }
 

@@ -46,6 +46,7 @@ void add_certificate(Json& report, const Certificate& c) {
   report["overwound_vertices"] = c.overwound_vertices;
   report["overwound_ids"] = first_ids(c.overwound);
   report["overlapping_pairs"] = c.overlapping_pairs;
+  report["overlapping_ids"] = c.overlapping;
   report["overlap_area_fraction"] = number(c.overlap_area_fraction);
 }
 

@@ -31,7 +31,7 @@ def report_of(mesh, arap, dirichlet, sigma_max, sigma_min, **others):
         "stretch": {"sigma_max": constant(sigma_max), "sigma_min": constant(sigma_min),
                     "area_ratio": constant(sigma_max * sigma_min),
                     "angle_distortion": constant(sigma_max / sigma_min)},
-        "flipped_triangles": 0, "flipped_ids": [], "overwound_vertices": 0, "overwound_ids": [],
+        "flipped_triangles": 0, "flipped_ids": [], "overwound_vertices": 0, "overwound_ids": [], "overlapping_ids": [],
         "overlapping_pairs": 0, "overlap_area_fraction": 0.0, "iterations": 0, "converged": True, "gradient": 0.0,
         "holonomy_residual": 0.0, "history": [], "flips": {"method": "keep"}, "overlaps": {"method": "report"}, "timings_s": {}, "peak_memory_bytes": 0, "threads": 1,
         "repairs": [], "warnings": []}

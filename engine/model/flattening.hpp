@@ -42,6 +42,7 @@ struct Certificate {
   double overlap_area_fraction = 0;  ///< sum of the pairs' common areas over the area of the map
   std::vector<Index> flipped;        ///< their ids, ascending
   std::vector<Index> overwound;      ///< vertex ids, ascending
+  std::vector<std::array<Index, 2>> overlapping;  ///< the first kMaxListedIds of the pairs
 };
 
 /// One step; iteration 0 is the first global solve.

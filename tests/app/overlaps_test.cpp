@@ -138,7 +138,10 @@ TEST_CASE("overlaps: where pins ask for them the map stays, and it is said") {
   const std::string reported = content_of(ramp.scratch.file("o.ply"));
   const Ran ran = ramp.flatten("-c " + constraints + " --overlaps remove");
   CHECK(ran.code == 6);
-  CHECK(has(ran.err, "pairs of triangles lie on one another"));
+  CHECK(has(ran.err, "pairs of triangles lie on one another in the map ("));
+  CHECK(has(ran.err,
+            "there are none without \"pin 0 1 2 and 1 more\", or without \"pin 360 361 362 and 1 more\""));
+  CHECK_FALSE(ramp.report().at("overlapping_ids").empty());
   CHECK(content_of(ramp.scratch.file("o.ply")) == reported);
   CHECK(ramp.report().at("overlaps").at("start") == "none");
 }
