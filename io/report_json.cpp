@@ -248,6 +248,8 @@ Json path_or_null(const std::string& path) { return path.empty() ? Json(nullptr)
 std::string report_json(const Flattening& flattening, const ReportContext& context,
                         const ReportParts& parts) {
   Json report = head(context);
+  report["method"] = name(flattening.method);
+  if (!flattening.up_to_scale.empty()) report["up_to_scale"] = flattening.up_to_scale;
   report["mesh"] = mesh_facts(flattening.mesh);
   if (parts.embedding != nullptr) add_embedding(report, *parts.embedding);
   if (parts.cut != nullptr) add_cut(report, *parts.cut);

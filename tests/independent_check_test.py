@@ -24,7 +24,7 @@ def constant(value):
 def report_of(mesh, arap, dirichlet, sigma_max, sigma_min, **others):
     """A report of a map with the same singular values everywhere; mesh: vertices, triangles, loops, euler."""
     report = {
-        "version": 1, "planish": "0.1.0", "command": "", "input": "",
+        "version": 1, "planish": "0.1.0", "command": "", "input": "", "method": "arap",
         "mesh": {"vertices": mesh[0], "unreferenced_vertices": 0, "duplicate_positions": 0, "triangles": mesh[1], "components": 1,
                  "boundary_loops": mesh[2], "euler": mesh[3], "outer": [0], "mollified_triangles": 0},
         "energy": {"arap": arap, "symmetric_dirichlet": dirichlet},

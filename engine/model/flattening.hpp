@@ -121,6 +121,9 @@ struct StepTime {
 };
 
 struct Flattening {
+  Method method = Method::Arap;
+  std::vector<std::string>
+      up_to_scale;       ///< constraints whose shapes the method keeps, but not their given sizes
   std::vector<Vec2> uv;  ///< [V] mesh units; 0 0 for unreferenced vertices
   MeshFacts mesh;
   Certificate certificate;
