@@ -57,13 +57,21 @@ class PinnedMap {
     begin();
     if (auto factored = system_.factor(x_); !factored) return fail(factored.error());
     constexpr int kMostSteps = 100;
-    constexpr double kStill = 1e-11, kStale = 1e-2;  // of the map's extent
+    constexpr double kStill = 1e-10, kStale = 1e-2;  // of the map's extent
+    // Steps that shrink no more are what solves err by.
+    constexpr double kRounding = 1e-7;
+    constexpr int kPatience = 6;
+    double least = kInfinity;
+    int since_least = 0;
     for (int step = 0; step <= kMostSteps; ++step) {
       if (monitor_ && monitor_({.phase = Phase::Map, .iteration = step}) == Verdict::Stop)
         return fail(ErrorCode::Cancelled, "stopped by the caller");
       const Result<double> moved = advance();
       if (!moved) return fail(moved.error());
-      if (!dof_.poses() || *moved <= kStill) {
+      since_least = *moved < 0.5 * least ? 0 : since_least + 1;
+      least = std::min(least, *moved);
+      const bool rests = *moved <= kStill || (*moved <= kRounding && since_least >= kPatience);
+      if (!dof_.poses() || rests) {
         x_.resize(dof_.num_vertices());
         return MethodMap{std::move(x_), step};
       }
@@ -101,7 +109,25 @@ class PinnedMap {
     } else if (!pairs_.empty()) {
       meet(pairs_, change);
     }
-    return take(change);
+    if (!dof_.poses()) return take(change, 1);
+    std::vector<Vec2> moved = system_.displacement(change);
+    const double relaxation = relaxation_of(std::move(moved));
+    return take(change, relaxation);
+  }
+
+  /// How much of a step is taken. Tangents know nothing of the curvature of turning, so that steps may go too far, or not far
+  /// enough; what two of them differ by tells.   Ref: Irons and Tuck 1969 (Aitken's process for vectors).
+  double relaxation_of(std::vector<Vec2> moved) {
+    constexpr double kLeast = 0.05, kMost = 2;
+    if (!moved_before_.empty()) {
+      std::vector<Vec2> difference(moved.size());
+      combine(input_.exec, {{1, moved}, {-1, moved_before_}}, difference);
+      const double squared = dot(input_.exec, difference, difference);
+      if (squared > 0) relaxation_ *= -dot(input_.exec, moved_before_, difference) / squared;
+      relaxation_ = std::clamp(std::abs(relaxation_), kLeast, kMost);
+    }
+    moved_before_ = std::move(moved);
+    return relaxation_;
   }
 
   /// Adds to a change what makes the pairs' differences those given: multipliers at both ends.
@@ -145,11 +171,10 @@ class PinnedMap {
     return {cross(missing, by_v) / determinant, cross(by_u, missing) / determinant};
   }
 
-  /// Shortened where joints cannot follow.
-  Result<double> take(const std::vector<Vec2>& change) {
+  /// A part of the change, shortened where joints cannot follow; how far the whole would go.
+  Result<double> take(const std::vector<Vec2>& change, double length) {
     constexpr int kMostHalvings = 20;
     std::vector<Vec2> trial(x_.size());
-    double length = 1;
     for (int halving = 0; halving < kMostHalvings; ++halving, length *= 0.5) {
       combine(input_.exec, {{1, x_}, {length, change}}, trial);
       if (!dof_.expand(trial)) continue;
@@ -161,7 +186,7 @@ class PinnedMap {
         farthest = std::max(farthest, norm(trial[v] - x_[v]));
       }
       x_.swap(trial);
-      return farthest / norm(upper - lower);
+      return farthest / (length * norm(upper - lower));
     }
     return fail(ErrorCode::NoConvergence,
                 "features that share vertices do not stay joined in a conformal map");
@@ -183,6 +208,8 @@ class PinnedMap {
   ConformalEnergy energy_;
   ConformalSystem system_;
   std::vector<Vec2> x_;
+  std::vector<Vec2> moved_before_;  // [V] by the whole step before
+  double relaxation_ = 1;
 };
 
 }  // namespace

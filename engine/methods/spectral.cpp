@@ -127,6 +127,7 @@ class SpectralMap {
         return fail(ErrorCode::Cancelled, "stopped by the caller");
       if (residual <= kTolerance) return {};
       if (auto moved = move(here, step, only, before); !moved) return moved;
+      turns_ |= dof_.poses() && dof_.poses()->turned() > 0;
       if (dof_.poses() && dof_.poses()->turned() > kStaleTurn) {
         if (auto factored = factor(); !factored) return factored;
         before = {};  // in unknowns that are no more
@@ -182,8 +183,33 @@ class SpectralMap {
     dof_.fold(force);
     step.change.resize(dof_.size());
     system_.solve(force, step.change);
+    if (only != kNone) take_out_similarity(here, only, step.change);
     step.moved = system_.displacement(step.change);
     fill_products(step);
+  }
+
+  /// Where features turn, a step must be small to be near its tangent: without what scales and turns the whole. Where
+  /// directions are given there is no turning.   Ref: Sleijpen and van der Vorst 1996 (corrections across the vector).
+  void take_out_similarity(const Image& here, Index only, std::vector<Vec2>& change) const {
+    std::vector<Vec2> scaling(dof_.size()), turning(dof_.size()), by_scaling(dof_.size()),
+        by_turning(dof_.size());
+    for (Index v = 0; v < dof_.num_vertices(); ++v) {
+      if (dof_.nodes().fixed[v] || component_of(v) != only) continue;
+      scaling[v] = here.b[v];
+      turning[v] = multiply({0, 1}, here.b[v]);
+    }
+    dof_.fold(scaling);
+    dof_.fold(turning);
+    system_.solve(scaling, turning, by_scaling, by_turning);
+    const auto along = [&](In<Vec2> vector) { return products(here.b, system_.displacement(vector))[only]; };
+    const Vec2 excess = along(change), s = along(by_scaling), t = along(by_turning);
+    Vec2 share{-excess.x / s.x, 0};
+    if (!input_.system->directed()[only]) {
+      const double determinant = cross(s, t);
+      share = {-cross(excess, t) / determinant, -cross(s, excess) / determinant};
+    }
+    for (std::size_t i = 0; i < change.size(); ++i)
+      change[i] += share.x * by_scaling[i] + share.y * by_turning[i];
   }
 
   /// What of a step is no scaling and no rotation of the map, over the map; the largest of the components.
@@ -221,7 +247,8 @@ class SpectralMap {
     }
     std::vector<Vec2> share(num_components());
     for (Index k = 0; k < num_components(); ++k) {
-      if (only == kNone || k == only) share[k] = best_shares(gram[k], component_mass_[k], size);
+      if (only == kNone || k == only)
+        share[k] = turns_ ? Vec2{1, 0} : best_shares(gram[k], component_mass_[k], size);
     }
     const auto combined = [&](std::vector<Vec2> Image::*part) {
       std::vector<Vec2> sum(step.*part);
@@ -261,6 +288,7 @@ class SpectralMap {
   ConformalEnergy energy_;
   ConformalSystem system_;
   std::vector<Vec2> x_;
+  bool turns_ = false;  // features turn: what steps do together is not what each of them does
 };
 
 }  // namespace
