@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/methods/at_rest.hpp"
 #include "engine/methods/conformal_system.hpp"
 #include "engine/solve/quasi_newton.hpp"
 
@@ -57,21 +58,14 @@ class PinnedMap {
     begin();
     if (auto factored = system_.factor(x_); !factored) return fail(factored.error());
     constexpr int kMostSteps = 100;
-    constexpr double kStill = 1e-10, kStale = 1e-2;  // of the map's extent
-    // Steps that shrink no more are what solves err by.
-    constexpr double kRounding = 1e-7;
-    constexpr int kPatience = 6;
-    double least = kInfinity;
-    int since_least = 0;
+    constexpr double kStale = 1e-2;  // of the map's extent, as are these
+    AtRest at_rest(1e-10, 1e-7);
     for (int step = 0; step <= kMostSteps; ++step) {
       if (monitor_ && monitor_({.phase = Phase::Map, .iteration = step}) == Verdict::Stop)
         return fail(ErrorCode::Cancelled, "stopped by the caller");
       const Result<double> moved = advance();
       if (!moved) return fail(moved.error());
-      since_least = *moved < 0.5 * least ? 0 : since_least + 1;
-      least = std::min(least, *moved);
-      const bool rests = *moved <= kStill || (*moved <= kRounding && since_least >= kPatience);
-      if (!dof_.poses() || rests) {
+      if (!dof_.poses() || at_rest(*moved)) {
         x_.resize(dof_.num_vertices());
         return MethodMap{std::move(x_), step};
       }

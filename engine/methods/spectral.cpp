@@ -4,13 +4,15 @@
 #include <Eigen/Dense>
 
 #include "engine/constraints/fit.hpp"
+#include "engine/methods/at_rest.hpp"
 #include "engine/methods/conformal_system.hpp"
 #include "engine/solve/quasi_newton.hpp"
 
 namespace planish {
 namespace {
 
-constexpr double kTolerance = 1e-9;  // of a step, over the map, both in the metric E + B / boundary length
+constexpr double kStill = 1e-9,
+                 kRounding = 1e-6;  // of a step, over the map, both in the metric E + B / boundary length
 constexpr int kMostSteps = 500;
 constexpr double kStaleTurn = 1e-3;                      // radians, of a feature since the last factor
 constexpr double kFirstShift = 1e-7, kMostShift = 1e-3;  // sigma, over 1 / boundary length
@@ -114,6 +116,7 @@ class SpectralMap {
   /// Until the component stands still, kNone: all of them.
   Result<void> iterate(Index only, int& steps) {
     Image step, before;
+    AtRest at_rest(kStill, kRounding);
     for (int k = 0; k < kMostSteps; ++k, ++steps) {
       const Image here = image_of_place();
       const std::vector<double> lambda = quotients(here);
@@ -125,7 +128,7 @@ class SpectralMap {
                               .gradient = residual};
       if (monitor_ && monitor_(progress) == Verdict::Stop)
         return fail(ErrorCode::Cancelled, "stopped by the caller");
-      if (residual <= kTolerance) return {};
+      if (at_rest(residual)) return {};
       if (auto moved = move(here, step, only, before); !moved) return moved;
       turns_ |= dof_.poses() && dof_.poses()->turned() > 0;
       if (dof_.poses() && dof_.poses()->turned() > kStaleTurn) {

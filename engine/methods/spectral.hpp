@@ -9,7 +9,7 @@ namespace planish {
 /// with b_v half the length of the boundary edges at v: the smallest eigenvector that is not constant. Found by steps
 /// -(H + sigma B)^-1 (H z - lambda B z), each followed by the best combination with the step before; all steps stay within the
 /// DOF map, so constraints hold in the result.
-/// Fails: NoConvergence where the residual does not fall below 1e-9, or constraints leave fewer than two unknowns;
+/// Fails: NoConvergence where steps do not come to rest (1e-9 of the map; rounding on large meshes), or constraints leave fewer than two unknowns;
 /// FactorizationFailed, OutOfMemory, Cancelled.
 /// Cost: a factorization of four times the size of the global phase's, 5 to 50 solves; further ones where directions turn.
 /// Ref: Mullen et al. 2008; Knyazev 2001 (locally optimal steps).
