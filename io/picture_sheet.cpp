@@ -75,12 +75,15 @@ Copies copies_of(const Surface& surface, In<SheetMap> maps, const Grid& grid) {
   return all;
 }
 
-std::vector<PlacedFeature> on_copy(In<PlacedFeature> features, const Surface& surface, Index k, bool named) {
+/// ideals: figures that lines and circles were to become, which go beyond the map, are shown.
+std::vector<PlacedFeature> on_copy(In<PlacedFeature> features, const Surface& surface, Index k, bool named,
+                                   bool ideals) {
   std::vector<PlacedFeature> moved(features.begin(), features.end());
   for (PlacedFeature& feature : moved) {
     for (Index& v : feature.vertex) v += k * surface.num_vertices();
     for (Index& t : feature.triangle) t += k * surface.num_triangles();
     if (!named) feature.name.clear();
+    if (!ideals) feature.ideal = PlacedFeature::Ideal::None;
   }
   return moved;
 }
@@ -99,19 +102,18 @@ Result<void> write_picture_sheet(const Exec& exec, const std::string& path, cons
   const Copies all = copies_of(surface, maps, grid);
   Certificate certificate = *maps.back().certificate;
   certificate.flipped.clear();
-  bool captioned = false;
+  const bool captioned = std::ranges::any_of(maps, [](const SheetMap& map) { return !map.caption.empty(); });
   for (Index k = 0; k < static_cast<Index>(maps.size()); ++k) {
     for (const Index t : maps[k].certificate->flipped)
       certificate.flipped.push_back(t + k * surface.num_triangles());
     if (k + 1 < static_cast<Index>(maps.size()))
-      options.copies.push_back(on_copy(maps[k].features, surface, k, false));
+      options.copies.push_back(on_copy(maps[k].features, surface, k, false, !captioned));
     if (maps[k].caption.empty()) continue;
-    captioned = true;
     options.captions.push_back(
         {grid.corner(k) + Vec2{0.5 * grid.cell.x, grid.cell.y + grid.head}, maps[k].caption});
   }
   const std::vector<PlacedFeature> features =
-      on_copy(maps.back().features, surface, static_cast<Index>(maps.size()) - 1, true);
+      on_copy(maps.back().features, surface, static_cast<Index>(maps.size()) - 1, true, !captioned);
   options.features = features;
   options.figures = PanelFigures{
       .triangles = surface.num_triangles(), .size = size_of(grid.box.back()), .measured = !captioned};

@@ -15,6 +15,7 @@ struct SheetMap {
 
 /// Writes all maps to one scale and one scale of colours, row by row, in as many columns as make the sheet about as wide as
 /// high and a half; maps without captions in one row, and then the figures below are those of the last one.
+/// Above maps with captions, the lines and circles that features were to become are left out.
 /// The features of the last map are named and listed, those of the others have the same colours.
 ///   maps [n >= 1];  options: its features, window, figures, captions and copies are set here
 /// Fails, cost: as write_picture(), n times.
