@@ -7,6 +7,7 @@
 #include <map>
 
 #include "engine/flatten.hpp"
+#include "engine/methods/at_rest.hpp"
 #include "engine/methods/conformal_energy.hpp"
 #include "engine/methods/spectral.hpp"
 #include "engine/prepare/connection.hpp"
@@ -193,17 +194,31 @@ TEST_CASE("spectral: the quotient and the vector are those of a dense eigen-solv
   }
 }
 
-TEST_CASE("spectral: components of unlike sizes are each the map that they are alone") {
+TEST_CASE("conformal maps: components of unlike sizes are each the map that they are alone") {
   const Mesh a = shapes::height_field(10, bowl), b = shapes::scaled(shapes::wavy_disk(300), 3);
-  const auto both = flatten(shapes::joined(a, b).surface(), {.method = Method::Spectral});
-  const auto alone = flatten(b.surface(), {.method = Method::Spectral});
-  REQUIRE(both);
-  REQUIRE(alone);
-  // Up to where it lies: edges from one vertex to all others.
-  const std::size_t first = a.position.size();
-  for (std::size_t v = 0; v < b.position.size(); ++v)
-    CHECK(norm(both->uv[first + v] - both->uv[first]) ==
-          doctest::Approx(norm(alone->uv[v] - alone->uv[0])).epsilon(1e-6));
+  for (const Method method : {Method::Lscm, Method::Spectral}) {
+    const auto both = flatten(shapes::joined(a, b).surface(), {.method = method});
+    const auto alone = flatten(b.surface(), {.method = method});
+    REQUIRE(both);
+    REQUIRE(alone);
+    // Up to where it lies: edges from one vertex to all others.
+    const std::size_t first = a.position.size();
+    for (std::size_t v = 0; v < b.position.size(); ++v)
+      CHECK(norm(both->uv[first + v] - both->uv[first]) ==
+            doctest::Approx(norm(alone->uv[v] - alone->uv[0])).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("at rest: a small step ends an iteration, and so do steps at the rounding that shrink no more") {
+  AtRest small(1e-9, 1e-6);
+  CHECK_FALSE(small(1e-3));
+  CHECK(small(1e-10));
+  AtRest rounding(1e-9, 1e-6);
+  int steps = 0;
+  while (!rounding(steps % 2 ? 3e-8 : 2e-8) && steps < 100) ++steps;
+  CHECK(steps < 10);
+  AtRest wandering(1e-9, 1e-6);
+  for (int step = 0; step < 100; ++step) CHECK_FALSE(wandering(1e-3));
 }
 
 TEST_CASE("conformal maps: 1, 2 and 7 threads give the same bits") {
