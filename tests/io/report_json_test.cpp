@@ -50,6 +50,7 @@ Flattening example() {
 /// Of each kind one: a line, a direction of an edge, an angle of features, a pin.
 Flattening constrained() {
   Flattening f = example();
+  f.up_to_scale = {"straight sill"};
   f.constraints = {.outcome = {},
                    .bodies = 3,
                    .assemblies = 2,
