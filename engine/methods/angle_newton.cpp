@@ -1,0 +1,442 @@
+#include "engine/methods/angle_newton.hpp"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <optional>
+
+#include "engine/solve/columns.hpp"
+#include "engine/solve/global_phase.hpp"
+
+namespace planish {
+namespace {
+
+constexpr double kMet = 1e-12, kAccepted = 1e-9;
+
+/// One triangle's part of the inverse of the Lagrangian's Hessian, its own multiplier eliminated: P = D - d d^T / (1^T d).
+struct Projection {
+  std::array<double, 3> d;
+  double sum;
+
+  std::array<double, 3> apply(const std::array<double, 3>& x) const {
+    const double mean = (d[0] * x[0] + d[1] * x[1] + d[2] * x[2]) / sum;
+    return {d[0] * (x[0] - mean), d[1] * (x[1] - mean), d[2] * (x[2] - mean)};
+  }
+};
+
+double dot3(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+class AngleNewton {
+ public:
+  AngleNewton(const Exec& exec, const AngleProblem& problem, std::vector<double> start)
+      : exec_(exec),
+        problem_(problem),
+        rows_(*problem.rows),
+        num_corners_(static_cast<Index>(start.size())),
+        angle_(std::move(start)),
+        inverse_(angle_.size()),
+        cotangent_(angle_.size()),
+        step_(angle_.size()),
+        multiplier_(rows_.size(), 0),
+        price_(rows_.size(), 0),
+        long_multiplier_(problem.long_rows->size(), 0),
+        long_price_(problem.long_rows->size(), 0) {
+    for (const Index v : problem.order) {
+      for (Index r = rows_.of(v).begin; r < rows_.of(v).end; ++r) row_order_.push_back(r);
+    }
+  }
+
+  Result<AngleSolution> operator()(double tolerance, int max_steps, const Monitor& monitor) {
+    AngleSolution solution;
+    double best = kInfinity;
+    for (int k = 0; k < max_steps; ++k) {
+      if (auto found = find_step(); !found) {
+        const bool ran_into_zero = k > 0 && found.error().code == ErrorCode::FactorizationFailed;
+        if (!ran_into_zero) return fail(found.error());
+        solution.step = kInfinity;
+        break;
+      }
+      const double share = advance();
+      solution.step = share > 0 ? step_size() : kInfinity;
+      solution.residual = residual();
+      solution.energy = energy(angle_) / num_corners_;
+      solution.history.push_back(solution.step);
+      const Progress progress{
+          .phase = Phase::LocalGlobal, .iteration = k, .energy = solution.energy, .gradient = solution.step};
+      if (monitor && monitor(progress) == Verdict::Stop)
+        return fail(ErrorCode::Cancelled, "stopped by the caller");
+      if (share == 0) break;
+      const bool settled = share == 1 && solution.step <= tolerance;
+      if (settled && (solution.residual <= kMet || solution.residual > 0.5 * best)) break;
+      if (settled) best = solution.residual;
+    }
+    solution.converged = solution.residual <= kAccepted && solution.step <= tolerance;
+    solution.angle = std::move(angle_);
+    return solution;
+  }
+
+ private:
+  using Triple = std::array<double, 3>;
+
+  Index vertex(Index c) const { return problem_.corner_vertex[c]; }
+
+  // ---- the system in the multipliers ----
+
+  /// Second derivatives of the Lagrangian, kept away from 0, and their inverses.
+  void invert_hessian() {
+    exec_.for_blocks(num_corners_, kBlock, [&](Index, Range r) {
+      for (Index c = r.begin; c < r.end; ++c) {
+        const double sine = std::sin(angle_[c]);
+        cotangent_[c] = std::cos(angle_[c]) / sine;
+        const double from_wheels =
+            (wheel_multiplier(vertex(next_corner(c))) - wheel_multiplier(vertex(previous_corner(c)))) /
+            (sine * sine);
+        constexpr double kLeast = 0.1;
+        const double own = 2 * problem_.weight[c];
+        inverse_[c] = 1 / std::max(own + from_wheels, kLeast * own);
+      }
+    });
+  }
+  double wheel_multiplier(Index v) const {
+    const Index row = rows_.wheel(v);
+    return row == kNone ? 0 : multiplier_[row];
+  }
+
+  Projection projection(Index c) const {
+    const Triple d{inverse_[c], inverse_[next_corner(c)], inverse_[previous_corner(c)]};
+    return {d, d[0] + d[1] + d[2]};
+  }
+
+  /// Derivatives of a row at another corner of the triangle, turned to begin at corner c.
+  static Triple turned(const Triple& g, Index from, Index c) {
+    const Index shift = (from - c + 3) % 3;
+    Triple result;
+    for (Index i = 0; i < 3; ++i) result[(i + shift) % 3] = g[i];
+    return result;
+  }
+
+  SymmetricMatrix matrix() const {
+    return gather_columns(exec_, rows_.size(), [&](Range r, ColumnSink& sink) {
+      std::vector<Entry> column;
+      for (Index j = r.begin; j < r.end; ++j) {
+        column.assign(1, {j, 0});
+        const Index v = rows_.vertex_of(j);
+        for (const Index c :
+             slice(In<Index>(problem_.topology->star_corner), problem_.topology->stars().group(v))) {
+          const Triple pg = projection(c).apply(rows_.derivatives(j, c, cotangent_));
+          for (const Index other : {c, next_corner(c), previous_corner(c)}) {
+            const Range theirs = rows_.of(vertex(other));
+            for (Index i = std::max(j, theirs.begin); i < theirs.end; ++i) {
+              const double value =
+                  dot3(pg, turned(rows_.derivatives(i, other, cotangent_), other % 3, c % 3));
+              if (i == j) {
+                column.front().value += value;
+              } else {
+                column.push_back({i, value});
+              }
+            }
+          }
+        }
+        merge_rows(column);
+        sink.add(column);
+      }
+    });
+  }
+
+  /// What the step would be without multipliers: minus P q and the triangles' own residuals, shared out.
+  Triple plain_step(Index c) const {
+    const Projection p = projection(c);
+    const std::array<Index, 3> at{c, next_corner(c), previous_corner(c)};
+    Triple q;
+    double gap = -kPi;
+    for (int i = 0; i < 3; ++i) {
+      q[i] = 2 * problem_.weight[at[i]] * (angle_[at[i]] - problem_.wanted[at[i]]);
+      gap += angle_[at[i]];
+    }
+    Triple step = p.apply(q);
+    for (int i = 0; i < 3; ++i) step[i] = -step[i] - p.d[i] * gap / p.sum;
+    return step;
+  }
+
+  void find_rhs(Out<Vec2> rhs) {
+    exec_.for_blocks(rows_.size(), kBlock, [&](Index, Range r) {
+      for (Index j = r.begin; j < r.end; ++j) {
+        double sum = rows_.residual(j, angle_);
+        for (const Index c : slice(In<Index>(problem_.topology->star_corner),
+                                   problem_.topology->stars().group(rows_.vertex_of(j))))
+          sum += dot3(rows_.derivatives(j, c, cotangent_), plain_step(c));
+        rhs[j] = {sum, 0};
+      }
+    });
+  }
+
+  Result<void> find_step() {
+    invert_hessian();
+    const SymmetricMatrix a = matrix();
+    if (global_) {
+      if (auto again = global_->refactor(exec_, a); !again) return again;
+    } else {
+      auto global = GlobalPhase::factor(exec_, a, row_order_);
+      if (!global) return fail(global.error());
+      global_.emplace(std::move(*global));
+    }
+    std::vector<Vec2> x(rows_.size());
+    find_rhs(x);
+    if (auto solved = solve(x); !solved) return solved;
+    exec_.for_blocks(rows_.size(), kBlock, [&](Index, Range r) {
+      for (Index j = r.begin; j < r.end; ++j) {
+        multiplier_[j] = x[j].x;
+        price_[j] = std::max(price_[j], 1.5 * std::abs(multiplier_[j]));
+      }
+    });
+    for (std::size_t k = 0; k < long_multiplier_.size(); ++k)
+      long_price_[k] = std::max(long_price_[k], 1.5 * std::abs(long_multiplier_[k]));
+    take_step();
+    return {};
+  }
+
+  void take_step() {
+    std::vector<double> force(num_corners_, 0);  // J^T multipliers, of the rows
+    exec_.for_blocks(num_corners_, kBlock, [&](Index, Range r) {
+      for (Index c = r.begin; c < r.end; ++c) {
+        double sum = 0;
+        const std::array<Index, 3> at{c, previous_corner(c),
+                                      next_corner(c)};  // c is their own, next, previous
+        for (int i = 0; i < 3; ++i) {
+          const Range rows = rows_.of(vertex(at[i]));
+          for (Index j = rows.begin; j < rows.end; ++j)
+            sum += multiplier_[j] * rows_.derivatives(j, at[i], cotangent_)[i];
+        }
+        force[c] = sum;
+      }
+    });
+    for (std::size_t k = 0; k < long_multiplier_.size(); ++k) {
+      for (const LongAngleRow::Term& term : (*problem_.long_rows)[k].terms)
+        force[term.corner] += long_multiplier_[k] * term.factor;
+    }
+    exec_.for_blocks(num_corners_ / 3, kBlock, [&](Index, Range r) {
+      for (Index t = r.begin; t < r.end; ++t) {
+        const Index c = 3 * t;
+        const Triple plain = plain_step(c),
+                     pushed = projection(c).apply({force[c], force[c + 1], force[c + 2]});
+        for (int i = 0; i < 3; ++i) step_[c + i] = plain[i] - pushed[i];
+      }
+    });
+  }
+
+  // ---- long rows: a dense border ----
+
+  using Column = std::vector<std::pair<Index, double>>;  // triangles' corners and P times a long row
+
+  /// P times the gradient of long row k, at all corners of the triangles that it passes.
+  Column projected(const LongAngleRow& row) const {
+    std::vector<LongAngleRow::Term> terms = row.terms;
+    std::sort(terms.begin(), terms.end(), [](const auto& a, const auto& b) { return a.corner < b.corner; });
+    Column column;
+    for (std::size_t i = 0; i < terms.size();) {
+      const Index t = terms[i].corner / 3;
+      Triple g{};
+      for (; i < terms.size() && terms[i].corner / 3 == t; ++i) g[terms[i].corner % 3] = terms[i].factor;
+      const Triple pg = projection(3 * t).apply(g);
+      for (Index k = 0; k < 3; ++k) column.emplace_back(3 * t + k, pg[k]);
+    }
+    return column;
+  }
+
+  static double along(const LongAngleRow& row, In<double> values) {
+    double sum = 0;
+    for (const LongAngleRow::Term& term : row.terms) sum += term.factor * values[term.corner];
+    return sum;
+  }
+
+  /// x: the right-hand side in, the multipliers of the rows out; those of the long rows are kept.
+  Result<void> solve(std::vector<Vec2>& x) {
+    global_->solve(exec_, x, x);
+    const auto m = static_cast<Index>(long_multiplier_.size());
+    if (m == 0) return {};
+    std::vector<std::vector<Vec2>> columns;  // A^-1 B, two columns at a time
+    Eigen::MatrixXd schur(m, m);
+    Eigen::VectorXd rhs(m);
+    std::vector<std::vector<double>> border;  // B by rows of the sparse part
+    std::vector<std::vector<double>> pushed;  // P g by corner
+    for (const LongAngleRow& row : *problem_.long_rows) {
+      pushed.emplace_back(num_corners_, 0);
+      for (const auto& [c, value] : projected(row)) pushed.back()[c] = value;
+      border.push_back(in_rows(pushed.back()));
+    }
+    for (Index k = 0; k < m; k += 2) {
+      std::vector<Vec2> pair(rows_.size());
+      for (Index j = 0; j < rows_.size(); ++j) pair[j] = {border[k][j], k + 1 < m ? border[k + 1][j] : 0};
+      global_->solve(exec_, pair, pair);
+      columns.push_back(std::move(pair));
+    }
+    const auto column = [&](Index k, Index j) {
+      return k % 2 == 0 ? columns[k / 2][j].x : columns[k / 2][j].y;
+    };
+    std::vector<double> plain(num_corners_);
+    for (Index c = 0; c < num_corners_; c += 3) {
+      const Triple step = plain_step(c);
+      std::copy(step.begin(), step.end(), plain.begin() + c);
+    }
+    for (Index k = 0; k < m; ++k) {
+      const LongAngleRow& row = (*problem_.long_rows)[k];
+      rhs[k] = along(row, angle_) - row.target + along(row, plain);
+      for (Index j = 0; j < rows_.size(); ++j) rhs[k] -= border[k][j] * x[j].x;
+      for (Index l = 0; l < m; ++l) {
+        schur(k, l) = along(row, pushed[l]);
+        for (Index j = 0; j < rows_.size(); ++j) schur(k, l) -= border[k][j] * column(l, j);
+      }
+    }
+    auto y = independent(schur, rhs);
+    if (!y) return fail(y.error());
+    for (Index k = 0; k < m; ++k) {
+      long_multiplier_[k] = (*y)[k];
+      for (Index j = 0; j < rows_.size(); ++j) x[j].x -= column(k, j) * (*y)[k];
+    }
+    return {};
+  }
+
+  /// J times a vector over corners.
+  std::vector<double> in_rows(In<double> values) const {
+    std::vector<double> result(rows_.size());
+    exec_.for_blocks(rows_.size(), kBlock, [&](Index, Range r) {
+      for (Index j = r.begin; j < r.end; ++j) {
+        for (const Index c : slice(In<Index>(problem_.topology->star_corner),
+                                   problem_.topology->stars().group(rows_.vertex_of(j)))) {
+          result[j] += dot3(rows_.derivatives(j, c, cotangent_),
+                            {values[c], values[next_corner(c)], values[previous_corner(c)]});
+        }
+      }
+    });
+    return result;
+  }
+
+  /// Rows that follow from others get multipliers of least norm; they must not contradict them.
+  Result<Eigen::VectorXd> independent(const Eigen::MatrixXd& schur, const Eigen::VectorXd& rhs) const {
+    constexpr double kDependent = 1e-9, kContradiction = 1e-7;
+    Eigen::VectorXd scale(schur.rows());
+    for (Index k = 0; k < scale.size(); ++k) {
+      double own = 0;
+      for (const LongAngleRow::Term& term : (*problem_.long_rows)[k].terms)
+        own += term.factor * term.factor * inverse_[term.corner];
+      scale[k] = 1 / std::sqrt(own);
+    }
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * schur * scale.asDiagonal();
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+    solver.setThreshold(kDependent);
+    solver.compute(scaled);
+    const Eigen::VectorXd y = scale.asDiagonal() * solver.solve(scale.asDiagonal() * rhs);
+    const Eigen::VectorXd gap = schur * y - rhs;
+    Error error{.code = ErrorCode::ConstraintsConflict, .what = "angles contradict one another"};
+    for (Index k = 0; k < gap.size(); ++k) {
+      if (std::abs(gap[k]) > kContradiction) error.ids.push_back((*problem_.long_rows)[k].relation);
+    }
+    error.count = static_cast<Offset>(error.ids.size());
+    if (error.count > 0) return fail(error);
+    return y;
+  }
+
+  // ---- how far to go ----
+
+  double energy(In<double> angle) const {
+    return exec_.sum_blocks(num_corners_, kBlock, [&](Range r) {
+      double sum = 0;
+      for (Index c = r.begin; c < r.end; ++c)
+        sum += problem_.weight[c] * (angle[c] - problem_.wanted[c]) * (angle[c] - problem_.wanted[c]);
+      return sum;
+    });
+  }
+
+  double triangle_gap(In<double> angle, Index t) const {
+    return angle[3 * t] + angle[3 * t + 1] + angle[3 * t + 2] - kPi;
+  }
+
+  /// Energy and priced residuals: falls along Newton's direction when prices exceed the multipliers.
+  double merit(In<double> angle) const {
+    double sum = energy(angle);
+    sum += exec_.sum_blocks(rows_.size(), kBlock, [&](Range r) {
+      double part = 0;
+      for (Index j = r.begin; j < r.end; ++j) part += price_[j] * std::abs(rows_.residual(j, angle));
+      return part;
+    });
+    for (std::size_t k = 0; k < long_price_.size(); ++k) {
+      const LongAngleRow& row = (*problem_.long_rows)[k];
+      sum += long_price_[k] * std::abs(along(row, angle) - row.target);
+    }
+    return sum;
+  }
+
+  double residual() const {
+    std::vector<double> worst(Exec::num_blocks(rows_.size(), kBlock), 0);
+    exec_.for_blocks(rows_.size(), kBlock, [&](Index block, Range r) {
+      for (Index j = r.begin; j < r.end; ++j)
+        worst[block] = std::max(worst[block], std::abs(rows_.residual(j, angle_)));
+    });
+    double largest = 0;
+    for (const double w : worst) largest = std::max(largest, w);
+    for (Index t = 0; 3 * t < num_corners_; ++t)
+      largest = std::max(largest, std::abs(triangle_gap(angle_, t)));
+    for (const LongAngleRow& row : *problem_.long_rows)
+      largest = std::max(largest, std::abs(along(row, angle_) - row.target));
+    return largest;
+  }
+
+  double step_size() const {
+    const double sum = exec_.sum_blocks(num_corners_, kBlock, [&](Range r) {
+      double part = 0;
+      for (Index c = r.begin; c < r.end; ++c) part += step_[c] * step_[c] / (angle_[c] * angle_[c]);
+      return part;
+    });
+    return std::sqrt(sum / num_corners_);
+  }
+
+  /// Part of the way to the first angle of 0 that a step may go.
+  double longest_share() const {
+    constexpr double kShare = 0.9;
+    std::vector<double> least(Exec::num_blocks(num_corners_, kBlock), 1);
+    exec_.for_blocks(num_corners_, kBlock, [&](Index block, Range r) {
+      for (Index c = r.begin; c < r.end; ++c) {
+        if (step_[c] < 0) least[block] = std::min(least[block], -kShare * angle_[c] / step_[c]);
+        if (step_[c] > 0) least[block] = std::min(least[block], kShare * (kPi - angle_[c]) / step_[c]);
+      }
+    });
+    return *std::min_element(least.begin(), least.end());
+  }
+
+  /// Goes a share of the step, and returns it; 0 where none makes the merit fall.
+  double advance() {
+    const double before = merit(angle_);
+    std::vector<double> trial(angle_.size());
+    double share = longest_share();
+    constexpr int kHalvings = 25;
+    for (int k = 0; k < kHalvings; ++k, share *= 0.5) {
+      for (Index c = 0; c < num_corners_; ++c) trial[c] = angle_[c] + share * step_[c];
+      const double after = merit(trial);
+      if (!(after <= before * (1 + 1e-9) + 1e-12)) continue;
+      angle_ = trial;
+      return share;
+    }
+    return 0;
+  }
+
+  const Exec& exec_;
+  const AngleProblem& problem_;
+  const AngleRows& rows_;
+  Index num_corners_;
+  std::vector<double> angle_, inverse_, cotangent_, step_;  // [3 T]
+  std::vector<double> multiplier_, price_;                  // of the rows
+  std::vector<double> long_multiplier_, long_price_;
+  std::vector<Index> row_order_;
+  std::optional<GlobalPhase> global_;
+};
+
+}  // namespace
+
+Result<AngleSolution> solve_angles(const Exec& exec, const AngleProblem& problem, std::vector<double> start,
+                                   double tolerance, int max_steps, const Monitor& monitor) {
+  return AngleNewton(exec, problem, std::move(start))(tolerance, max_steps, monitor);
+}
+
+}  // namespace planish
