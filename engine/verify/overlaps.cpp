@@ -85,9 +85,18 @@ void keep_first(std::vector<std::array<Index, 2>>& pairs, std::size_t from) {
   pairs.resize(std::min(pairs.size(), kMaxListedIds));
 }
 
-void add_pair(const Image& a, const Image& b, Overlaps& sum) {
+double area_of(const Image& image) {
+  const auto& p = image.point;
+  return 0.5 * cross(p[1] - p[0], p[2] - p[0]);
+}
+
+void add_pair(const Image& a, const Image& b, In<double> rest_area, Overlaps& sum) {
   ++sum.pairs;
-  sum.common_area += common_area(a, b);
+  const double common = common_area(a, b);
+  sum.common_area += common;
+  if (!rest_area.empty())
+    sum.covered_rest_area +=
+        common * (rest_area[a.triangle] / area_of(a) + rest_area[b.triangle] / area_of(b));
   sum.first.push_back({std::min(a.triangle, b.triangle), std::max(a.triangle, b.triangle)});
   keep_first(sum.first, 4 * kMaxListedIds);
 }
@@ -116,7 +125,12 @@ BoxTree tree_of(const Exec& exec, In<Image> images) {
 
 }  // namespace
 
-Overlaps find_overlaps(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
+double common_image_area(In<Index> corner_vertex, In<Vec2> uv, Index s, Index t) {
+  const Image a = image_of(s, corner_vertex, uv), b = image_of(t, corner_vertex, uv);
+  return a.box.meets(b.box) && share_interior(a, b) ? common_area(a, b) : 0;
+}
+
+Overlaps find_overlaps(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv, In<double> rest_area) {
   constexpr Index kLeavesPerBlock = 256;
   std::vector<Image> images = images_of(exec, corner_vertex, uv);
   const BoxTree tree = tree_of(exec, images);
@@ -125,14 +139,11 @@ Overlaps find_overlaps(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
   exec.for_blocks(tree.num_leaves(), kLeavesPerBlock, [&](Index block, Range r) {
     Overlaps& sum = part[block];
     const auto compare = [&](const Image& a, const Image& b) {
-      if (a.box.meets(b.box) && !share_vertex(a, b) && share_interior(a, b)) add_pair(a, b, sum);
+      if (a.box.meets(b.box) && !share_vertex(a, b) && share_interior(a, b)) add_pair(a, b, rest_area, sum);
     };
     for (Index leaf = r.begin; leaf < r.end; ++leaf) {
       const Range mine = tree.leaf(leaf);
-      for (Index i = mine.begin; i < mine.end; ++i) {
-        const auto& p = images[i].point;
-        sum.map_area += 0.5 * cross(p[1] - p[0], p[2] - p[0]);
-      }
+      for (Index i = mine.begin; i < mine.end; ++i) sum.map_area += area_of(images[i]);
       tree.visit_meeting(tree.leaf_box(leaf), leaf, [&](Index other) {
         const Range theirs = tree.leaf(other);
         for (Index i = mine.begin; i < mine.end; ++i) {
@@ -147,6 +158,7 @@ Overlaps find_overlaps(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
     all.pairs += p.pairs;
     all.common_area += p.common_area;
     all.map_area += p.map_area;
+    all.covered_rest_area += p.covered_rest_area;
     all.first.insert(all.first.end(), p.first.begin(), p.first.end());
   }
   keep_first(all.first, 0);
