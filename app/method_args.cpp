@@ -7,8 +7,8 @@
 namespace planish {
 
 const std::vector<Method>& all_methods() {
-  static const std::vector<Method> kAll = {Method::Arap, Method::Lscm, Method::Dncp, Method::Spectral,
-                                           Method::Deform};
+  static const std::vector<Method> kAll = {Method::Arap, Method::Lscm,   Method::Dncp,  Method::Spectral,
+                                           Method::Abf,  Method::Yamabe, Method::Deform};
   return kAll;
 }
 

@@ -37,7 +37,7 @@ constexpr const char* kWhy =
     "holes are closed before angles are solved for, and this planish was built without that "
     "(PLANISH_WITH_CGAL_GPL)";
 #else
-constexpr ErrorCode kUnfilled = ErrorCode::DegenerateTriangle;
+constexpr ErrorCode kUnfilled = ErrorCode::NoConvergence;
 constexpr const char* kWhy = "holes are closed before angles are solved for, and no triangles close this one";
 #endif
 

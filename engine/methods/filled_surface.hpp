@@ -20,7 +20,7 @@ struct FilledSurface {
 
 /// Every loop but the outer ones is closed by triangles about as fine as its edges, near to a surface of least area.
 ///   outer_loop: per component;  frame [T] of the surface
-/// Fails: NotBuilt (holes, and planish is without CGAL's GPL packages); DegenerateTriangle naming the vertices of the holes
+/// Fails: NotBuilt (holes, and planish is without CGAL's GPL packages); NoConvergence naming the vertices of the holes
 ///        that no triangles close.   Cost: O(n log n) to O(n^3) for a hole of n edges.
 /// Ref: Liepa 2003.
 Result<FilledSurface> fill_holes(const Exec& exec, const Surface& surface, const Topology& topology,

@@ -2,8 +2,10 @@
 
 #include <array>
 
+#include "engine/methods/abf.hpp"
 #include "engine/methods/conformal_map.hpp"
 #include "engine/methods/spectral.hpp"
+#include "engine/methods/yamabe.hpp"
 
 namespace planish {
 namespace {
@@ -54,6 +56,8 @@ constexpr std::array kMethods = {
     MapMethod{Method::Lscm, conformal_refusal, free_scale, true, pinned_conformal_map},
     MapMethod{Method::Dncp, conformal_refusal, free_scale, true, pinned_conformal_map},
     MapMethod{Method::Spectral, spectral_refusal, free_scale, true, spectral_map},
+    MapMethod{Method::Abf, angle_refusal, free_lengths, true, angle_based_map},
+    MapMethod{Method::Yamabe, scale_refusal, free_lengths, false, conformal_scale_map},
 };
 
 }  // namespace

@@ -28,7 +28,7 @@ class Boundary {
     for (const Body& body : compiled_.bodies) {
       if (on_boundary(body)) continue;
       return fail(constraint_error(
-          ErrorCode::ConstraintInvalid, *view_.set, body.constraint,
+          ErrorCode::ConstraintUnsupported, *view_.set, body.constraint,
           "\"" + name_of(body) +
               "\" does not run along the outer boundary, and a conformal map is unique up to what is "
               "asked for there"));

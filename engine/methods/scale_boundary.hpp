@@ -16,7 +16,7 @@ namespace planish {
 Result<ScaleNodes> scale_nodes(const FilledSurface& filled, const ConstraintView& view,
                                const Compiled& compiled, In<double> chosen, In<double> angle);
 
-/// Fails: ConstraintInvalid where a constraint is not one of the outer boundary's angles, with the reason.
+/// Fails: ConstraintUnsupported where a constraint is not one of the outer boundary's angles, with the reason.
 Result<void> check_on_boundary(const FilledSurface& filled, const ConstraintView& view,
                                const Compiled& compiled);
 

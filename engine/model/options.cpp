@@ -11,6 +11,8 @@ const char* name(Method method) {
     case Method::Lscm: return "lscm";
     case Method::Dncp: return "dncp";
     case Method::Spectral: return "spectral";
+    case Method::Abf: return "abf";
+    case Method::Yamabe: return "yamabe";
     case Method::Deform: return "deform";
   }
   return "";

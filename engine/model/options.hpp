@@ -9,6 +9,8 @@ enum class Method {
   Lscm,      ///< least squares conformal map, two vertices pinned (Levy et al. 2002)
   Dncp,      ///< discrete natural conformal parameterization (Desbrun et al. 2002): the same energy and map
   Spectral,  ///< conformal map of least energy against its boundary's mass, nothing pinned (Mullen et al. 2008)
+  Abf,       ///< angle-based flattening: corner angles nearest to the surface's (Sheffer et al. 2005)
+  Yamabe,    ///< conformal scale factors, the outer boundary keeps its lengths (Springborn et al. 2008)
   Deform,    ///< the map without constraints, deformed until it meets them (the paper, section 6)
 };
 
