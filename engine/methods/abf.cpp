@@ -58,10 +58,11 @@ class AngleBasedMap {
 
   /// The surface's angles, those around an interior vertex scaled to 2 pi, those on one side of a line to pi.
   void find_wanted(const std::vector<std::pair<Index, AngleRow>>& straight) {
-    constexpr double kLargest = 0.95 * kPi, kFilling = 0.01;
+    constexpr double kLargest = 0.95 * kPi, kFilling = 0.25;
     const Topology& topology = filled_.topology;
     wanted_.resize(filled_.corner_vertex.size());
     corner_angles({0, filled_.num_triangles()}, filled_.frame, wanted_);
+    angle_ = wanted_;
     const auto scale = [&](Index v, Index first, Index count, double target) {
       const Index begin = topology.star_begin[v], star = topology.star_begin[v + 1] - begin;
       double sum = 0;
@@ -80,21 +81,19 @@ class AngleBasedMap {
     }
     weight_.resize(wanted_.size());
     for (std::size_t c = 0; c < wanted_.size(); ++c) {
-      wanted_[c] = std::min(wanted_[c], kLargest);
+      wanted_[c] = std::min(wanted_[c], std::max(kLargest, angle_[c]));
       const bool own = static_cast<Index>(c) < 3 * filled_.own_triangles;
       weight_[c] = (own ? 1 : kFilling) / (wanted_[c] * wanted_[c]);
+    }
+    angle_ = wanted_;
+    for (std::size_t c = 0; c < angle_.size(); c += 3) {
+      const double sum = angle_[c] + angle_[c + 1] + angle_[c + 2];
+      for (std::size_t i = 0; i < 3; ++i) angle_[c + i] *= kPi / sum;
     }
   }
 
   Result<void> solve() {
-    std::vector<double> start = std::move(angle_);
-    if (start.empty()) {
-      start = wanted_;
-      for (std::size_t c = 0; c < start.size(); c += 3) {
-        const double sum = start[c] + start[c + 1] + start[c + 2];
-        for (std::size_t i = 0; i < 3; ++i) start[c + i] *= kPi / sum;
-      }
-    }
+    std::vector<double> start = angle_;
     const AngleProblem problem{.corner_vertex = filled_.corner_vertex,
                                .topology = &filled_.topology,
                                .rows = &*rows_,

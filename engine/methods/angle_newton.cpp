@@ -1,6 +1,7 @@
 #include "engine/methods/angle_newton.hpp"
 
 #include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
 
 #include <algorithm>
 #include <optional>
@@ -12,15 +13,25 @@ namespace planish {
 namespace {
 
 constexpr double kMet = 1e-12, kAccepted = 1e-9;
+/// Steps of the definite matrix before the first one of the Hessian as it is, and how small they are by then.
+constexpr int kBeforeExact = 6;
+constexpr double kNearEnough = 1e-2;
 
-/// One triangle's part of the inverse of the Lagrangian's Hessian, its own multiplier eliminated: P = D - d d^T / (1^T d).
+/// One triangle's part of the inverse of the Lagrangian's Hessian with diagonal h, its own multiplier eliminated: the inverse on
+/// changes that sum to 0. Definite where one of h is negative, too, if the others outweigh it.
 struct Projection {
-  std::array<double, 3> d;
-  double sum;
+  std::array<double, 3> h;
 
+  double determinant() const { return h[0] * h[1] + h[1] * h[2] + h[2] * h[0]; }
   std::array<double, 3> apply(const std::array<double, 3>& x) const {
-    const double mean = (d[0] * x[0] + d[1] * x[1] + d[2] * x[2]) / sum;
-    return {d[0] * (x[0] - mean), d[1] * (x[1] - mean), d[2] * (x[2] - mean)};
+    const double d01 = h[2] * (x[0] - x[1]), d12 = h[0] * (x[1] - x[2]), d20 = h[1] * (x[2] - x[0]);
+    const double scale = 1 / determinant();
+    return {scale * (d01 - d20), scale * (d12 - d01), scale * (d20 - d12)};
+  }
+  /// The least change of a given sum.
+  std::array<double, 3> spread(double sum) const {
+    const double scale = sum / determinant();
+    return {scale * h[1] * h[2], scale * h[2] * h[0], scale * h[0] * h[1]};
   }
 };
 
@@ -36,7 +47,7 @@ class AngleNewton {
         rows_(*problem.rows),
         num_corners_(static_cast<Index>(start.size())),
         angle_(std::move(start)),
-        inverse_(angle_.size()),
+        hessian_(angle_.size()),
         cotangent_(angle_.size()),
         step_(angle_.size()),
         multiplier_(rows_.size(), 0),
@@ -51,26 +62,41 @@ class AngleNewton {
   Result<AngleSolution> operator()(double tolerance, int max_steps, const Monitor& monitor) {
     AngleSolution solution;
     double best = kInfinity;
+    int wait = kBeforeExact;
     for (int k = 0; k < max_steps; ++k) {
-      if (auto found = find_step(); !found) {
-        const bool ran_into_zero = k > 0 && found.error().code == ErrorCode::FactorizationFailed;
-        if (!ran_into_zero) return fail(found.error());
-        solution.step = kInfinity;
-        break;
+      const bool was_exact = exact_;
+      const double before = solution.step;
+      exact_ = was_exact || (wait-- <= 0 && before <= kNearEnough);
+      if (exact_ && !was_exact) keep();
+      auto found = find_step();
+      if (!found && (k == 0 || found.error().code != ErrorCode::FactorizationFailed))
+        return fail(found.error());
+      double share = 0;
+      if (found) share = exact_ ? go_whole_way() : advance();
+      const bool shrinks = !was_exact || step_size() <= 0.5 * before || step_size() <= tolerance;
+      if (exact_ && (share < 1 || !shrinks)) {
+        restore();
+        wait = kBeforeExact;
+        continue;
       }
-      const double share = advance();
       solution.step = share > 0 ? step_size() : kInfinity;
       solution.residual = residual();
       solution.energy = energy(angle_) / num_corners_;
       solution.history.push_back(solution.step);
       const Progress progress{
-          .phase = Phase::LocalGlobal, .iteration = k, .energy = solution.energy, .gradient = solution.step};
+          .phase = Phase::Map, .iteration = k, .energy = solution.energy, .gradient = solution.step};
       if (monitor && monitor(progress) == Verdict::Stop)
         return fail(ErrorCode::Cancelled, "stopped by the caller");
       if (share == 0) break;
       const bool settled = share == 1 && solution.step <= tolerance;
-      if (settled && (solution.residual <= kMet || solution.residual > 0.5 * best)) break;
+      if (settled &&
+          (solution.residual <= kMet || (solution.residual <= kAccepted && solution.residual > 0.5 * best)))
+        break;
       if (settled) best = solution.residual;
+      if (settled && exact_) {  // what is left is in the rows: the definite matrix rounds less
+        exact_ = false;
+        wait = max_steps;
+      }
     }
     solution.converged = solution.residual <= kAccepted && solution.step <= tolerance;
     solution.angle = std::move(angle_);
@@ -84,20 +110,29 @@ class AngleNewton {
 
   // ---- the system in the multipliers ----
 
-  /// Second derivatives of the Lagrangian, kept away from 0, and their inverses.
-  void invert_hessian() {
-    exec_.for_blocks(num_corners_, kBlock, [&](Index, Range r) {
-      for (Index c = r.begin; c < r.end; ++c) {
+  /// Second derivatives of the Lagrangian by the angles; where a triangle's are not definite they are kept away from 0.
+  void find_hessian() {
+    exec_.for_blocks(num_corners_ / 3, kBlock, [&](Index, Range r) {
+      for (Index c = 3 * r.begin; c < 3 * r.end; ++c) {
         const double sine = std::sin(angle_[c]);
         cotangent_[c] = std::cos(angle_[c]) / sine;
-        const double from_wheels =
-            (wheel_multiplier(vertex(next_corner(c))) - wheel_multiplier(vertex(previous_corner(c)))) /
-            (sine * sine);
-        constexpr double kLeast = 0.1;
-        const double own = 2 * problem_.weight[c];
-        inverse_[c] = 1 / std::max(own + from_wheels, kLeast * own);
+        hessian_[c] = 2 * problem_.weight[c] + (wheel_multiplier(vertex(next_corner(c))) -
+                                                wheel_multiplier(vertex(previous_corner(c)))) /
+                                                   (sine * sine);
       }
+      for (Index t = r.begin; t < r.end && !exact_; ++t) regularise(t);
     });
+  }
+
+  void regularise(Index t) {
+    constexpr double kLeast = 0.05;
+    const Triple own{2 * problem_.weight[3 * t], 2 * problem_.weight[3 * t + 1],
+                     2 * problem_.weight[3 * t + 2]};
+    const Projection p = projection(3 * t), q{own};
+    const Triple& h = p.h;
+    const bool sums_positive = h[0] + h[1] > 0 && h[1] + h[2] > 0 && h[2] + h[0] > 0;
+    if (sums_positive && p.determinant() > kLeast * q.determinant()) return;
+    for (Index i = 0; i < 3; ++i) hessian_[3 * t + i] = std::max(h[i], kLeast * own[i]);
   }
   double wheel_multiplier(Index v) const {
     const Index row = rows_.wheel(v);
@@ -105,8 +140,7 @@ class AngleNewton {
   }
 
   Projection projection(Index c) const {
-    const Triple d{inverse_[c], inverse_[next_corner(c)], inverse_[previous_corner(c)]};
-    return {d, d[0] + d[1] + d[2]};
+    return {{hessian_[c], hessian_[next_corner(c)], hessian_[previous_corner(c)]}};
   }
 
   /// Derivatives of a row at another corner of the triangle, turned to begin at corner c.
@@ -155,9 +189,8 @@ class AngleNewton {
       q[i] = 2 * problem_.weight[at[i]] * (angle_[at[i]] - problem_.wanted[at[i]]);
       gap += angle_[at[i]];
     }
-    Triple step = p.apply(q);
-    for (int i = 0; i < 3; ++i) step[i] = -step[i] - p.d[i] * gap / p.sum;
-    return step;
+    const Triple pushed = p.apply(q), closing = p.spread(gap);
+    return {-pushed[0] - closing[0], -pushed[1] - closing[1], -pushed[2] - closing[2]};
   }
 
   void find_rhs(Out<Vec2> rhs) {
@@ -172,16 +205,41 @@ class AngleNewton {
     });
   }
 
-  Result<void> find_step() {
-    invert_hessian();
-    const SymmetricMatrix a = matrix();
-    if (global_) {
-      if (auto again = global_->refactor(exec_, a); !again) return again;
-    } else {
-      auto global = GlobalPhase::factor(exec_, a, row_order_);
-      if (!global) return fail(global.error());
-      global_.emplace(std::move(*global));
+  Result<void> factor(const SymmetricMatrix& a) {
+    if (global_) return global_->refactor(exec_, a);
+    auto global = GlobalPhase::factor(exec_, a, row_order_);
+    if (!global) return fail(global.error());
+    global_.emplace(std::move(*global));
+    return {};
+  }
+
+  /// Without pivoting, so that it may fail; then the next steps are those of the definite matrix.
+  Result<void> factor_indefinite(const SymmetricMatrix& a) {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Index j = 0; j < a.size(); ++j) {
+      for (Index k = a.column_begin[j]; k < a.column_begin[j + 1]; ++k)
+        entries.emplace_back(a.row[k], j, a.value[k]);
     }
+    Eigen::SparseMatrix<double> lower(a.size(), a.size());
+    lower.setFromTriplets(entries.begin(), entries.end());
+    indefinite_.compute(lower);
+    return indefinite_.info() == Eigen::Success
+               ? Result<void>()
+               : fail(ErrorCode::FactorizationFailed, "a pivot of the angles' system is 0");
+  }
+
+  void solve_rows(std::vector<Vec2>& x) {
+    if (!exact_) return global_->solve(exec_, x, x);
+    Eigen::MatrixX2d columns(rows_.size(), 2);
+    for (Index j = 0; j < rows_.size(); ++j) columns.row(j) << x[j].x, x[j].y;
+    columns = indefinite_.solve(columns).eval();
+    for (Index j = 0; j < rows_.size(); ++j) x[j] = {columns(j, 0), columns(j, 1)};
+  }
+
+  Result<void> find_step() {
+    find_hessian();
+    auto factored = exact_ ? factor_indefinite(matrix()) : factor(matrix());
+    if (!factored) return factored;
     std::vector<Vec2> x(rows_.size());
     find_rhs(x);
     if (auto solved = solve(x); !solved) return solved;
@@ -253,12 +311,12 @@ class AngleNewton {
 
   /// x: the right-hand side in, the multipliers of the rows out; those of the long rows are kept.
   Result<void> solve(std::vector<Vec2>& x) {
-    global_->solve(exec_, x, x);
+    solve_rows(x);
     const auto m = static_cast<Index>(long_multiplier_.size());
     if (m == 0) return {};
     std::vector<std::vector<Vec2>> columns;  // A^-1 B, two columns at a time
     Eigen::MatrixXd schur(m, m);
-    Eigen::VectorXd rhs(m);
+    Eigen::VectorXd rhs(m), scale(m);
     std::vector<std::vector<double>> border;  // B by rows of the sparse part
     std::vector<std::vector<double>> pushed;  // P g by corner
     for (const LongAngleRow& row : *problem_.long_rows) {
@@ -269,7 +327,7 @@ class AngleNewton {
     for (Index k = 0; k < m; k += 2) {
       std::vector<Vec2> pair(rows_.size());
       for (Index j = 0; j < rows_.size(); ++j) pair[j] = {border[k][j], k + 1 < m ? border[k + 1][j] : 0};
-      global_->solve(exec_, pair, pair);
+      solve_rows(pair);
       columns.push_back(std::move(pair));
     }
     const auto column = [&](Index k, Index j) {
@@ -286,10 +344,11 @@ class AngleNewton {
       for (Index j = 0; j < rows_.size(); ++j) rhs[k] -= border[k][j] * x[j].x;
       for (Index l = 0; l < m; ++l) {
         schur(k, l) = along(row, pushed[l]);
+        if (l == k) scale[k] = 1 / std::sqrt(schur(k, k));
         for (Index j = 0; j < rows_.size(); ++j) schur(k, l) -= border[k][j] * column(l, j);
       }
     }
-    auto y = independent(schur, rhs);
+    auto y = independent(schur, scale, rhs);
     if (!y) return fail(y.error());
     for (Index k = 0; k < m; ++k) {
       long_multiplier_[k] = (*y)[k];
@@ -314,15 +373,10 @@ class AngleNewton {
   }
 
   /// Rows that follow from others get multipliers of least norm; they must not contradict them.
-  Result<Eigen::VectorXd> independent(const Eigen::MatrixXd& schur, const Eigen::VectorXd& rhs) const {
+  /// scale: of each row before the sparse part is eliminated.
+  Result<Eigen::VectorXd> independent(const Eigen::MatrixXd& schur, const Eigen::VectorXd& scale,
+                                      const Eigen::VectorXd& rhs) const {
     constexpr double kDependent = 1e-9, kContradiction = 1e-7;
-    Eigen::VectorXd scale(schur.rows());
-    for (Index k = 0; k < scale.size(); ++k) {
-      double own = 0;
-      for (const LongAngleRow::Term& term : (*problem_.long_rows)[k].terms)
-        own += term.factor * term.factor * inverse_[term.corner];
-      scale[k] = 1 / std::sqrt(own);
-    }
     const Eigen::MatrixXd scaled = scale.asDiagonal() * schur * scale.asDiagonal();
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
     solver.setThreshold(kDependent);
@@ -405,6 +459,22 @@ class AngleNewton {
     return *std::min_element(least.begin(), least.end());
   }
 
+  /// Newton's method by itself, near the solution: prices would reject steps that it converges by.
+  double go_whole_way() {
+    if (longest_share() < 1) return 0;
+    for (Index c = 0; c < num_corners_; ++c) angle_[c] += step_[c];
+    return 1;
+  }
+  void keep() {
+    kept_angle_ = angle_;
+    kept_multiplier_ = multiplier_;
+  }
+  void restore() {
+    exact_ = false;
+    angle_ = kept_angle_;
+    multiplier_ = kept_multiplier_;
+  }
+
   /// Goes a share of the step, and returns it; 0 where none makes the merit fall.
   double advance() {
     const double before = merit(angle_);
@@ -425,11 +495,14 @@ class AngleNewton {
   const AngleProblem& problem_;
   const AngleRows& rows_;
   Index num_corners_;
-  std::vector<double> angle_, inverse_, cotangent_, step_;  // [3 T]
+  std::vector<double> angle_, hessian_, cotangent_, step_;  // [3 T]
   std::vector<double> multiplier_, price_;                  // of the rows
   std::vector<double> long_multiplier_, long_price_;
   std::vector<Index> row_order_;
   std::optional<GlobalPhase> global_;
+  std::vector<double> kept_angle_, kept_multiplier_;
+  bool exact_ = false;  // the Lagrangian's Hessian as it is
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> indefinite_;
 };
 
 }  // namespace

@@ -29,7 +29,7 @@ struct AngleSolution {
 
 /// From angles in (0, pi) that need meet no row. The triangles' multipliers are eliminated one by one, then the angles: what is
 /// left is a positive definite system in the multipliers of the rows, as sparse as the vertices' Laplacian; long rows are its
-/// dense border. Steps stop short of angles of 0, and are halved until a weighted sum of energy and residuals falls.
+/// dense border. Near the solution the Hessian is taken as it is where that was raised to be definite. Steps stop short of angles of 0, and are halved until a weighted sum of energy and residuals falls.
 /// converged: all rows to 1e-12 or what rounding leaves below 1e-9, steps below `tolerance`.
 ///   start [3 T]
 /// Fails: FactorizationFailed; ConstraintsConflict (ids: relations) where long rows contradict one another; OutOfMemory;
