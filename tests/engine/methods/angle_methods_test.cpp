@@ -125,6 +125,28 @@ TEST_CASE("yamabe: the outer boundary keeps its edges' lengths") {
   }
 }
 
+TEST_CASE("yamabe: length cross-ratios of all interior edges are those of the surface, holes or not") {
+  for (const Mesh& mesh : {hilly(), shapes::frame(19, hill)}) {
+    const auto flat = run(mesh, Method::Yamabe);
+    REQUIRE(flat);
+    CHECK(flat->certificate.area_ratio.max > 1.05 * flat->certificate.area_ratio.min);
+    const Topology topology = build_topology(Exec(1), mesh.surface());
+    for (Index c = 0; c < static_cast<Index>(mesh.corner_vertex.size()); ++c) {
+      const Index twin = topology.corner_twin[c];
+      if (twin == kNone) continue;
+      const Index i = mesh.corner_vertex[c], j = mesh.corner_vertex[next_corner(c)];
+      const Index k = mesh.corner_vertex[previous_corner(c)], l = mesh.corner_vertex[previous_corner(twin)];
+      const auto cross_ratio = [&](auto distance) {
+        return distance(i, k) * distance(l, j) / (distance(k, j) * distance(i, l));
+      };
+      const double in_space =
+          cross_ratio([&](Index a, Index b) { return norm(mesh.position[b] - mesh.position[a]); });
+      CHECK(cross_ratio([&](Index a, Index b) { return norm(flat->uv[b] - flat->uv[a]); }) ==
+            Approx(in_space).epsilon(1e-9));
+    }
+  }
+}
+
 TEST_CASE(
     "abf: lines inside, crossing, along the boundary and between them are straight, at the angles asked "
     "for") {
