@@ -12,7 +12,7 @@ namespace {
 /// The dome, flattened under constraints; files are in.obj, c.json, o.obj and r.json.
 Ran flatten_dome(const Scratch& scratch, const std::string& method, const std::string& constraints) {
   write(scratch.file("in.obj"), dome());
-  write(scratch.file("c.json"), file_of(kFeatures, constraints));
+  write(scratch.file("c.json"), file_of(kFeatures, constraints, ""));
   return run("flatten " + scratch.file("in.obj") + " -c " + scratch.file("c.json") + " --method " + method +
              " -o " + scratch.file("o.obj") + " --report " + scratch.file("r.json"));
 }
