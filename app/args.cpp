@@ -4,6 +4,8 @@
 #include <numeric>
 #include <CLI/CLI.hpp>
 
+#include "app/method_args.hpp"
+
 namespace planish {
 namespace {
 
@@ -60,6 +62,36 @@ void add_common(CLI::App& app, CommonArgs& common) {
   app.add_flag("--json-errors", common.json_errors, "errors as JSON objects on stderr");
 }
 
+void add_cut(CLI::App& app, CutMode& cut) {
+  const std::map<std::string, CutMode> cuts = {{"none", CutMode::None}, {"auto", CutMode::Auto}};
+  app.add_option("--cut", cut, "none, or auto: open closed parts and handles along short cuts [none]")
+      ->transform(CLI::CheckedTransformer(cuts).description(""));
+}
+
+void add_compare(CLI::App& app, CompareArgs& args) {
+  app.add_option("mesh", args.mesh, "mesh to flatten: .obj .ply .stl .off, each also with .gz")->required();
+  app.add_option("-c,--constraints", args.constraints, "constraint file, JSON: features, constraints, seams");
+  app.add_option(
+         "-o,--output", args.folder,
+         "folder for METHOD.ply, METHOD.png, compare.png, compare.json, compare.md; made where missing")
+      ->required();
+  app.add_option_function<std::vector<std::string>>(
+         "--methods",
+         [&args](const std::vector<std::string>& words) {
+           for (const std::string& word : words) {
+             const auto method = method_of(word);
+             if (!method) throw CLI::ValidationError("--methods", method.error().what);
+             if (std::count(args.methods.begin(), args.methods.end(), *method) == 0)
+               args.methods.push_back(*method);
+           }
+         },
+         "separated by commas, of " + method_names() + " [all]")
+      ->delimiter(',');
+  app.add_flag("--repair", args.repair,
+               "mend orientation, duplicates, degenerate triangles, split vertices first");
+  add_cut(app, args.cut);
+}
+
 void add_flatten(CLI::App& app, FlattenArgs& args) {
   app.add_option("mesh", args.mesh, "mesh to flatten: .obj .ply .stl .off, each also with .gz")->required();
   app.add_option("-c,--constraints", args.constraints, "constraint file, JSON: features, constraints, seams");
@@ -69,9 +101,8 @@ void add_flatten(CLI::App& app, FlattenArgs& args) {
   app.add_option("--flat", args.flat, "flat mesh (u, v, 0): .ply or .obj");
   app.add_flag("--repair", args.repair,
                "mend orientation, duplicates, degenerate triangles, split vertices first");
-  const std::map<std::string, CutMode> cuts = {{"none", CutMode::None}, {"auto", CutMode::Auto}};
-  app.add_option("--cut", args.cut, "none, or auto: open closed parts and handles along short cuts [none]")
-      ->transform(CLI::CheckedTransformer(cuts).description(""));
+  add_cut(app, args.cut);
+  add_method(app, args.options.method);
   const std::map<std::string, Init> inits = {{"uniform", Init::Uniform},
                                              {"cotangent", Init::Cotangent},
                                              {"harmonic", Init::Harmonic},
@@ -219,12 +250,15 @@ Result<Args> parse_args(int argc, const char* const* argv) {
   Args args;
   for (int i = 0; i < argc; ++i) args.common.command_line += (i > 0 ? " " : "") + std::string(argv[i]);
   FlattenArgs flatten;
+  CompareArgs compare;
   DeformArgs deform;
   EmbedArgs embed;
   VerifyArgs verify;
   InfoArgs info;
   SampleArgs sample;
   CLI::App* const flatten_app = app.add_subcommand("flatten", "flatten a mesh");
+  CLI::App* const compare_app =
+      app.add_subcommand("compare", "flatten a mesh by several methods, and set the maps side by side");
   CLI::App* const deform_app =
       app.add_subcommand("deform", "bring a mesh's own parameterization to its constraints");
   CLI::App* const embed_app =
@@ -233,14 +267,16 @@ Result<Args> parse_args(int argc, const char* const* argv) {
       app.add_subcommand("verify", "check a flattened mesh from its files alone, exactly");
   CLI::App* const info_app = app.add_subcommand("info", "say what a mesh is and what is wrong with it");
   CLI::App* const sample_app = app.add_subcommand("sample", "make a mesh that looks like a scanned panel");
-  CLI::App* const commands[] = {flatten_app, deform_app, embed_app, verify_app, info_app, sample_app};
+  CLI::App* const commands[] = {flatten_app, compare_app, deform_app, embed_app,
+                                verify_app,  info_app,    sample_app};
   add_flatten(*flatten_app, flatten);
+  add_compare(*compare_app, compare);
   add_deform(*deform_app, deform);
   add_embed(*embed_app, embed);
   add_verify(*verify_app, verify);
   add_info(*info_app, info);
   add_sample(*sample_app, sample);
-  for (CLI::App* command : {flatten_app, deform_app, embed_app}) {
+  for (CLI::App* command : {flatten_app, compare_app, deform_app, embed_app}) {
     command->add_flag("--progress", args.common.progress,
                       "progress lines even where stderr is not a terminal");
   }
@@ -270,11 +306,18 @@ Result<Args> parse_args(int argc, const char* const* argv) {
   for (const CLI::App* command : commands) chosen = command->parsed() ? command : chosen;
   if (app.remaining_size(true) > 0) return unknown_words(app, chosen);
   if (!chosen)
-    return fail(ErrorCode::BadUsage,
-                "no command given: flatten, deform, embed, verify, info or sample; see planish --help");
+    return fail(
+        ErrorCode::BadUsage,
+        "no command given: flatten, compare, deform, embed, verify, info or sample; see planish --help");
+  if (chosen == flatten_app) {
+    if (auto checked = check_method_options(*flatten_app, flatten.options.method); !checked)
+      return fail(checked.error());
+  }
   flatten.options.threads = args.common.threads;
   deform.edit.threads = args.common.threads;
   if (chosen == flatten_app) args.command = flatten;
+  if (compare.methods.empty()) compare.methods = all_methods();
+  if (chosen == compare_app) args.command = compare;
   if (chosen == deform_app) args.command = deform;
   if (chosen == embed_app) args.command = embed;
   if (chosen == verify_app) args.command = verify;

@@ -29,6 +29,13 @@ struct FlattenArgs {
   FlattenOptions options;
 };
 
+struct CompareArgs {
+  std::string mesh, constraints, folder;
+  std::vector<Method> methods;
+  bool repair = false;
+  CutMode cut = CutMode::None;
+};
+
 struct DeformArgs {
   std::string mesh, constraints, output, report, picture, frames;
   bool repair = false;
@@ -64,7 +71,8 @@ struct TextArgs {
 
 struct Args {
   CommonArgs common;
-  std::variant<TextArgs, FlattenArgs, DeformArgs, EmbedArgs, VerifyArgs, InfoArgs, SampleArgs> command;
+  std::variant<TextArgs, FlattenArgs, CompareArgs, DeformArgs, EmbedArgs, VerifyArgs, InfoArgs, SampleArgs>
+      command;
 };
 
 /// Fails: BadUsage, with the nearest known name where a name is unknown.

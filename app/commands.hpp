@@ -6,6 +6,7 @@
 namespace planish {
 
 Result<int> run_flatten(const CommonArgs& common, const FlattenArgs& args);
+Result<int> run_compare(const CommonArgs& common, const CompareArgs& args);
 Result<int> run_deform(const CommonArgs& common, const DeformArgs& args);
 Result<int> run_embed(const CommonArgs& common, const EmbedArgs& args);
 Result<int> run_verify(const CommonArgs& common, const VerifyArgs& args);

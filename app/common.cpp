@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "app/interrupt.hpp"
 #include "io/file.hpp"
@@ -36,6 +37,13 @@ Result<void> check_outputs(std::initializer_list<OutputFile> files) {
     if (auto writable = check_writable(file.path); !writable) return writable;
   }
   return {};
+}
+
+Result<void> make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (std::filesystem::is_directory(path)) return {};
+  return fail(ErrorCode::CannotWrite, path + " is no folder, and none can be made: " + error.message());
 }
 
 Result<Input> read_input(const Exec& exec, const std::string& path, bool mend) {

@@ -24,6 +24,9 @@ struct OutputFile {
 /// Refuses output names and places before any work is done.
 Result<void> check_outputs(std::initializer_list<OutputFile> files);
 
+/// Makes a folder for outputs where there is none.   Fails: CannotWrite.
+Result<void> make_folder(const std::string& path);
+
 /// A mesh as read, mended where asked for, with what has to be said about it.
 struct Input {
   Mesh mesh;

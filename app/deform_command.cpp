@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 
 #include "app/commands.hpp"
@@ -10,7 +9,7 @@
 #include "engine/deform.hpp"
 #include "engine/features/parted.hpp"
 #include "io/file.hpp"
-#include "io/picture_pair.hpp"
+#include "io/picture_sheet.hpp"
 #include "io/report_json.hpp"
 
 namespace planish {
@@ -28,7 +27,7 @@ class DeformCommand {
   Result<int> operator()() {
     return check_outputs(
                {{args_.output, {"ply", "obj"}}, {args_.picture, {"png", "svg"}}, {args_.report, {}}})
-        .and_then([&] { return make_folder(); })
+        .and_then([&] { return args_.frames.empty() ? Result<void>() : make_folder(args_.frames); })
         .and_then([&] { return read(); })
         .and_then([&] { return open(); })
         .and_then([&] { return solve(); })
@@ -37,16 +36,6 @@ class DeformCommand {
   }
 
  private:
-  Result<void> make_folder() const {
-    if (args_.frames.empty()) return {};
-    std::error_code error;
-    std::filesystem::create_directories(args_.frames, error);
-    if (!std::filesystem::is_directory(args_.frames))
-      return fail(ErrorCode::CannotWrite,
-                  args_.frames + " is no folder, and none can be made: " + error.message());
-    return {};
-  }
-
   Result<void> read() {
     auto featured = read_featured(exec_, args_.mesh, args_.constraints, args_.repair, monitor_, stopwatch_);
     if (!featured) return fail(featured.error());
@@ -87,6 +76,7 @@ class DeformCommand {
                          monitor_, drawn ? keep : StepSink());
     if (!result) return fail(placed(result.error()));
     deformation_ = std::move(*result);
+    deformation_.flattening.method = Method::Deform;
     has_flips_ = certificate().flipped_triangles > 0 || certificate().overwound_vertices > 0;
     return {};
   }
@@ -112,10 +102,11 @@ class DeformCommand {
   Result<void> draw_pair() {
     const std::vector<PlacedFeature> placed =
         placed_features(flat_features(), deformation_.flattening.constraints);
-    return write_picture_pair(
-        exec_, args_.picture, flat_surface(), {steps_.front().uv, &steps_.front().certificate},
-        {deformation_.flattening.uv, &certificate()},
-        {.title = file_name(args_.mesh) + ": before, and deformed", .features = placed});
+    const SheetMap pair[] = {
+        {.uv = steps_.front().uv, .certificate = &steps_.front().certificate},
+        {.uv = deformation_.flattening.uv, .certificate = &certificate(), .features = placed}};
+    return write_picture_sheet(exec_, args_.picture, flat_surface(), pair,
+                               {.title = file_name(args_.mesh) + ": before, and deformed"});
   }
 
   /// One window for all, so that what stays does not move from one picture to the next.

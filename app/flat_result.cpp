@@ -6,17 +6,12 @@
 #include <algorithm>
 
 #include "app/provenance.hpp"
+#include "engine/compare.hpp"
 #include "engine/features/parted.hpp"
 #include "io/mesh_files.hpp"
 
 namespace planish {
 namespace {
-
-/// A residual against what DESIGN 3.8 allows: met up to 1.
-double share_of_allowed(const ConstraintOutcome& c) {
-  constexpr double kDegrees = 1e-7, kLength = 1e-9;
-  return c.residual / (c.degrees ? kDegrees : kLength);
-}
 
 std::string first_few(const std::vector<Index>& ids) {
   constexpr std::size_t kFew = 5;

@@ -5,11 +5,9 @@
 #include <optional>
 
 #include "app/commands.hpp"
-#include "app/featured.hpp"
 #include "app/flat_result.hpp"
+#include "app/opened.hpp"
 #include "engine/blame.hpp"
-#include "engine/cut.hpp"
-#include "engine/features/parted.hpp"
 #include "engine/flatten.hpp"
 #include "engine/price.hpp"
 #include "io/file.hpp"
@@ -25,6 +23,7 @@ class FlattenCommand {
   FlattenCommand(const CommonArgs& common, const FlattenArgs& args)
       : common_(common),
         args_(args),
+        files_{args.mesh, args.constraints, args.repair, args.cut},
         exec_(common.threads),
         progress_(progress_style(common)),
         monitor_(monitor_of(progress_)) {}
@@ -34,36 +33,16 @@ class FlattenCommand {
                           {args_.flat, {"ply", "obj"}},
                           {args_.picture, {"png", "svg"}},
                           {args_.report, {}}})
-        .and_then([&] { return read(); })
         .and_then([&] { return open(); })
         .and_then([&] { return args_.dry_run ? look_ahead() : solve_and_write(); });
   }
 
  private:
-  Result<void> read() {
-    auto featured = read_featured(exec_, args_.mesh, args_.constraints, args_.repair, monitor_, stopwatch_);
-    if (!featured) return fail(featured.error());
-    featured_ = std::move(*featured);
-    warnings_ = featured_.mesh.warnings;
-    return {};
-  }
-
   Result<void> open() {
-    if (featured_.set.seams.empty() && args_.cut == CutMode::None) return {};
-    progress_.show({.phase = Phase::Cut});
-    auto opened = stopwatch_(Phase::Cut, [&] {
-      return cut(mesh().surface(), embedded_features(), featured_.set.seams,
-                 {.mode = args_.cut, .threads = exec_.threads()});
-    });
-    if (!opened) {
-      const bool of_seam = !opened.error().place.pointer.empty();
-      return fail(in_file(opened.error(), of_seam ? args_.constraints : args_.mesh));
-    }
-    cut_ = std::move(*opened);
-    if (!features()) return {};
-    auto parted = features_on_cut(exec_, mesh().surface(), *cut_, *features(), featured_.set);
-    if (!parted) return fail(in_file(parted.error(), args_.constraints));
-    parted_ = std::move(*parted);
+    auto opened = open_mesh(exec_, files_, monitor_, stopwatch_);
+    if (!opened) return fail(opened.error());
+    opened_ = std::move(*opened);
+    warnings_ = opened_.mesh().warnings;
     return {};
   }
 
@@ -81,8 +60,8 @@ class FlattenCommand {
         args_.price)
       return fail(ErrorCode::BadUsage,
                   "--dry-run solves and writes nothing: leave out the outputs and --price");
-    const auto planned = plan(flat_surface(), constraints(), args_.options, monitor_);
-    if (!planned) return fail(placed(planned.error()));
+    const auto planned = plan(opened_.flat_surface(), opened_.constraints(), args_.options, monitor_);
+    if (!planned) return fail(files_.placed(planned.error()));
     progress_.finish();
     const ConstraintFacts& facts = planned->facts;
     fmt::print(
@@ -97,8 +76,8 @@ class FlattenCommand {
 
   Result<void> find_price() {
     if (!args_.price) return {};
-    auto found = price(flat_surface(), constraints(), flattening_, args_.options, monitor_);
-    if (!found) return fail(placed(found.error()));
+    auto found = price(opened_.flat_surface(), opened_.constraints(), flattening_, args_.options, monitor_);
+    if (!found) return fail(files_.placed(found.error()));
     price_ = std::move(*found);
     return {};
   }
@@ -111,56 +90,26 @@ class FlattenCommand {
   /// What has been written stays whatever this finds.
   Result<void> blame() {
     constexpr double kSeconds = 60;
-    const bool asked = args_.options.flips == Flips::Untangle && !args_.options.paper;
+    const bool asked = flattening_.removal.method == Flips::Untangle && !args_.options.paper;
     if (!(has_flips() || has_unwanted_overlaps()) || !asked || args_.constraints.empty()) return {};
-    auto found = find_blame(flat_surface(), constraints(), solved_, args_.options, kSeconds, monitor_);
-    if (!found) return fail(placed(found.error()));
+    auto found =
+        find_blame(opened_.flat_surface(), opened_.constraints(), solved_, args_.options, kSeconds, monitor_);
+    if (!found) return fail(files_.placed(found.error()));
     blame_ = std::move(*found);
     return {};
   }
 
-  /// With the file at fault.
-  Error placed(const Error& error) const {
-    return in_file(error, error.place.pointer.empty() ? args_.mesh : args_.constraints);
-  }
-
   Result<void> solve() {
-    auto result = flatten(flat_surface(), constraints(), args_.options, monitor_);
-    if (!result) return fail(placed(result.error()));
+    auto result = flatten(opened_.flat_surface(), opened_.constraints(), args_.options, monitor_);
+    if (!result) return fail(files_.placed(result.error()));
     flattening_ = std::move(*result);
     solved_.certificate = flattening_.certificate;
-    if (cut_) number_before_cut(*cut_, parted_, flattening_);
-    warn_of_unwelded();
+    if (opened_.cut) number_before_cut(*opened_.cut, opened_.parted, flattening_);
+    for (const std::string& warning :
+         {unwelded_warning(opened_, flattening_.mesh), sizes_warning(flattening_)}) {
+      if (!warning.empty()) warnings_.push_back(warning);
+    }
     return {};
-  }
-
-  /// Without a constraint file there is nothing to meet.
-  Constraints constraints() const {
-    if (args_.constraints.empty()) return {};
-    Constraints constraints{.set = &featured_.set, .features = cut_ ? &parted_ : &embedded_features()};
-    if (cut_) constraints.vertex_origin = cut_->vertex_origin;
-    return constraints;
-  }
-
-  const std::vector<Feature>& embedded_features() const {
-    static const std::vector<Feature> kNone;
-    return features() ? *features() : kNone;
-  }
-
-  const Mesh& mesh() const { return featured_.mesh; }
-  const std::vector<Feature>* features() const {
-    return featured_.embedding ? &featured_.embedding->features : nullptr;
-  }
-  /// What is flattened: the mesh, or its copy that was opened.
-  Surface flat_surface() const { return cut_ ? cut_->surface() : mesh().surface(); }
-
-  void warn_of_unwelded() {
-    const MeshFacts& facts = flattening_.mesh;
-    if (facts.duplicate_positions == 0 || cut_) return;
-    warnings_.push_back(
-        fmt::format("{} components were flattened each on its own, but {} vertices lie at the position of "
-                    "another one; if they are one surface, use --repair to merge them",
-                    facts.components, facts.duplicate_positions));
   }
 
   /// The report goes last: it states the others' times.
@@ -174,14 +123,15 @@ class FlattenCommand {
 
   Result<void> write_output() {
     if (args_.output.empty()) return {};
-    return write_flattened(exec_, args_.output, featured_, cut_ ? &*cut_ : nullptr, flattening_.uv,
-                           warnings_);
+    return write_flattened(exec_, args_.output, opened_.featured, opened_.cut ? &*opened_.cut : nullptr,
+                           flattening_.uv, warnings_);
   }
 
   Result<void> write_flat() {
     if (args_.flat.empty()) return {};
     Mesh flat;
-    flat.corner_vertex.assign(flat_surface().corner_vertex.begin(), flat_surface().corner_vertex.end());
+    flat.corner_vertex.assign(opened_.flat_surface().corner_vertex.begin(),
+                              opened_.flat_surface().corner_vertex.end());
     for (const Vec2 z : flattening_.uv) flat.position.push_back({z.x, z.y, 0});
     return write_mesh(exec_, args_.flat, {.mesh = &flat}, warnings_);
   }
@@ -189,29 +139,31 @@ class FlattenCommand {
   Result<void> draw() {
     if (args_.picture.empty()) return {};
     const std::vector<PlacedFeature> placed =
-        placed_features(cut_ ? parted_ : embedded_features(), flattening_.constraints);
+        placed_features(opened_.flat_features(), flattening_.constraints);
     PictureOptions options;
     options.title = file_name(args_.mesh);
     options.features = placed;
-    return write_picture(exec_, args_.picture, flat_surface(), flattening_.uv, flattening_.certificate,
-                         options);
+    return write_picture(exec_, args_.picture, opened_.flat_surface(), flattening_.uv,
+                         flattening_.certificate, options);
   }
 
   Result<void> write_report() {
     if (args_.report.empty()) return {};
     std::optional<CutFacts> facts;
-    if (cut_) facts = {.cut_edges = cut_->edges, .cut_length = cut_->length, .charts = cut_->charts};
-    return write_file(args_.report,
-                      report_json(flattening_,
-                                  {.input = args_.mesh,
-                                   .command = common_.command_line,
-                                   .mendings = featured_.input.mendings,
-                                   .warnings = warnings_,
-                                   .extra_timings = stopwatch_.times(),
-                                   .peak_memory_bytes = peak_memory_bytes()},
-                                  {.embedding = featured_.embedding ? &*featured_.embedding : nullptr,
-                                   .cut = facts ? &*facts : nullptr,
-                                   .price = price_ ? &*price_ : nullptr}));
+    if (const auto& cut = opened_.cut)
+      facts = {.cut_edges = cut->edges, .cut_length = cut->length, .charts = cut->charts};
+    return write_file(
+        args_.report,
+        report_json(flattening_,
+                    {.input = args_.mesh,
+                     .command = common_.command_line,
+                     .mendings = opened_.featured.input.mendings,
+                     .warnings = warnings_,
+                     .extra_timings = stopwatch_.times(),
+                     .peak_memory_bytes = peak_memory_bytes()},
+                    {.embedding = opened_.featured.embedding ? &*opened_.featured.embedding : nullptr,
+                     .cut = facts ? &*facts : nullptr,
+                     .price = price_ ? &*price_ : nullptr}));
   }
 
   int conclude() {
@@ -219,9 +171,9 @@ class FlattenCommand {
     const Certificate& c = flattening_.certificate;
     say_warnings(common_, warnings_);
     if (!common_.quiet) {
-      say_mendings(featured_.input.mendings);
-      if (cut_)
-        fmt::print("cut {} edges, length {:.6g}, into {} charts\n", cut_->edges, cut_->length, cut_->charts);
+      say_mendings(opened_.featured.input.mendings);
+      if (const auto& cut = opened_.cut)
+        fmt::print("cut {} edges, length {:.6g}, into {} charts\n", cut->edges, cut->length, cut->charts);
       fmt::print(
           "{} triangles, {} iterations, arap {:.6e}, stretch {:.4f} to {:.4f}, flipped {}, overwound {}, "
           "overlapping pairs {}\n",
@@ -306,13 +258,12 @@ class FlattenCommand {
 
   const CommonArgs& common_;
   const FlattenArgs& args_;
+  OpenedFiles files_;
   Exec exec_;
   ProgressLine progress_;
   Monitor monitor_;
   Stopwatch stopwatch_;
-  FeaturedMesh featured_;
-  std::optional<Cut> cut_;
-  std::vector<Feature> parted_;  // on the opened surface
+  OpenedMesh opened_;
   std::vector<std::string> warnings_;
   Flattening flattening_;
   Flattening solved_;  // the certificate alone, in the numbers of what was flattened

@@ -22,6 +22,8 @@ Result<int> run(const Args& args) {
   watch_interrupts();
   if (const auto* flatten = std::get_if<FlattenArgs>(&args.command))
     return run_flatten(args.common, *flatten);
+  if (const auto* compare = std::get_if<CompareArgs>(&args.command))
+    return run_compare(args.common, *compare);
   if (const auto* deform = std::get_if<DeformArgs>(&args.command)) return run_deform(args.common, *deform);
   if (const auto* embed = std::get_if<EmbedArgs>(&args.command)) return run_embed(args.common, *embed);
   if (const auto* verify = std::get_if<VerifyArgs>(&args.command)) return run_verify(args.common, *verify);

@@ -5,6 +5,7 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   kernels/base/sums.hpp
   kernels/base/radix.hpp
   engine/exec/parallel.hpp
+  engine/model/comparison.hpp
   engine/model/constraint.hpp
   engine/model/deformation.hpp
   engine/model/embedding.hpp
@@ -20,6 +21,7 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   engine/prepare/repair.hpp
   engine/sample/panels.hpp
   engine/blame.hpp
+  engine/compare.hpp
   engine/cut.hpp
   engine/deform.hpp
   engine/edit.hpp
@@ -29,12 +31,13 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   engine/price.hpp
   engine/verify.hpp
   io/carry_over.hpp
+  io/comparison_files.hpp
   io/constraints_json.hpp
   io/feature_picture.hpp
   io/file.hpp
   io/mesh_files.hpp
   io/picture.hpp
-  io/picture_pair.hpp
+  io/picture_sheet.hpp
   io/placed_feature.hpp
   io/report_json.hpp
   io/report_read.hpp

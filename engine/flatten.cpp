@@ -6,7 +6,11 @@
 #include <optional>
 
 #include "engine/constraints/constrained_start.hpp"
+#include "engine/flatten_options.hpp"
 #include "engine/flatten_steps.hpp"
+#include "engine/methods/deformed.hpp"
+#include "engine/methods/method.hpp"
+#include "engine/methods/sizes.hpp"
 #include "engine/near_constraints.hpp"
 #include "engine/prepare/connection.hpp"
 #include "engine/solve/flip_free.hpp"
@@ -28,14 +32,14 @@ class Run {
         constraints_(constraints),
         options_(options),
         monitor_(monitor),
-        exec_(options.threads) {}
+        exec_(options.threads),
+        method_(find_map_method(options.method)) {}
 
   Result<Flattening> operator()() {
     return check()
         .and_then([&] { return compile_constraints(); })
         .and_then([&] { return order(); })
-        .and_then([&] { return start(); })
-        .and_then([&] { return minimise(); })
+        .and_then([&] { return method_ ? map_by_method() : start().and_then([&] { return minimise(); }); })
         .and_then([&] { return place(); })
         .map([&] { return std::move(result_); });
   }
@@ -66,6 +70,7 @@ class Run {
 
   Result<void> check() {
     result_.threads = exec_.threads();
+    result_.method = options_.method;
     return timed(Phase::Check, [&]() -> Result<void> {
       auto piece = make_workpiece(exec_, surface_);
       if (!piece) return fail(piece.error());
@@ -94,6 +99,13 @@ class Run {
         return {};
       }
       view_ = {constraints_.set, features_, constraints_.vertex_origin};
+      if (method_) {
+        auto loosened = loosen(*method_, *constraints_.set);
+        if (!loosened) return fail(loosened.error());
+        loosened_ = std::move(loosened->set);
+        result_.up_to_scale = std::move(loosened->up_to_scale);
+        view_.set = &loosened_;
+      }
       auto system = ConstraintSystem::make(
           piece_.rest(), view_,
           [&](const Surface& region) { return map_region(region, options_.threads, monitor_); },
@@ -150,6 +162,44 @@ class Run {
     result_.holonomy_residual = system_->holonomy_residual();
     result_.constraints = constraint_facts(*system_, start_.last(), global_->factor_nonzeros());
     return {};
+  }
+
+  /// Another method in place of start and descent; features begin where the first rotations have them.
+  Result<void> map_by_method() {
+    std::vector<Vec2> first;
+    MapInput input{.exec = exec_, .piece = piece_};
+    if (system_) {
+      if (auto started = start(); !started) return started;
+      FlattenOptions no_steps = options_;
+      no_steps.max_iterations = 0;
+      auto map = minimise_arap(
+          exec_, piece_.problem(*global_, nodes_, *start_.first, start_.last(), start_.rotation), no_steps,
+          {});
+      if (!map) return fail(map.error());
+      global_.reset();
+      first = std::move(map->uv);
+      input.view = &view_;
+      input.system = system_.get();
+      input.dof = &start_.last();
+      input.first = first;
+    }
+    laplacian_ = {};
+    return timed(Phase::Map, [&]() -> Result<void> {
+      auto map = method_->map(input, monitor_);
+      if (!map) return fail(map.error());
+      uv_ = std::move(map->uv);
+      result_.iterations = map->iterations;
+      result_.converged = true;
+      result_.removal.method = Flips::Keep;
+      result_.mesh.outer = piece_.outer_loop;
+      if (!method_->any_size) return {};
+      fit_sizes(piece_, system_ ? In<Pin>(system_->pins()) : In<Pin>(), has_scale_groups(), uv_);
+      return {};
+    });
+  }
+  bool has_scale_groups() const {
+    return system_ && std::ranges::any_of(system_->compiled().bodies,
+                                          [](const Body& body) { return !body.scale_group.empty(); });
   }
 
   Result<Minimum> minimum_of(const ArapProblem& arap) {
@@ -318,9 +368,10 @@ class Run {
     }
     constexpr Offset kBytesATriangle = 480;  // columns of the mesh and of the iteration, measured
     const Offset border = plan_.facts.border_unknowns;
-    constexpr Offset kDenseCopies = 3;  // corner, Schur complement, its factor
-    plan_.memory_bytes =
-        kBytesATriangle * mesh().num_triangles() + 2 * 8 * *nonzeros + kDenseCopies * 8 * border * border;
+    const Offset factors = method_ ? 6 : 2;  // u and v are coupled in a factor four times the size
+    constexpr Offset kDenseCopies = 3;       // corner, Schur complement, its factor
+    plan_.memory_bytes = kBytesATriangle * mesh().num_triangles() + factors * 8 * *nonzeros +
+                         kDenseCopies * 8 * border * border;
     return {};
   }
 
@@ -332,8 +383,10 @@ class Run {
   const FlattenOptions options_;
   const Monitor& monitor_;
   Exec exec_;
+  const MapMethod* method_;  // null: ARAP
   Workpiece piece_;
   std::vector<Feature> features_;  // in the numbers of the ordered mesh
+  ConstraintSet loosened_;         // what the method can express of the constraints
   ConstraintView view_;
   std::unique_ptr<ConstraintSystem> system_;  // none without constraints
   NodeMap nodes_;
@@ -346,22 +399,6 @@ class Run {
   Flattening result_;
   ConstraintPlan plan_;
 };
-
-Result<void> check_options(const FlattenOptions& options) {
-  if (!(options.tolerance > 0)) return fail(ErrorCode::BadUsage, "tolerance must be above 0");
-  if (options.max_iterations < 0) return fail(ErrorCode::BadUsage, "max_iterations must not be negative");
-  if (options.threads < 0) return fail(ErrorCode::BadUsage, "threads must not be negative");
-  if (options.energy == Energy::SymmetricDirichlet && (options.paper || options.flips != Flips::Untangle))
-    return fail(
-        ErrorCode::BadUsage,
-        "symmetric-dirichlet is infinite where triangles are flipped: it needs flips to be untangled");
-  if (options.paper && (options.flips == Flips::Keep || options.flips == Flips::Stiffening))
-    return fail(ErrorCode::BadUsage, "the paper's variant has its own procedure against flips, weights");
-  if (options.overlaps == Overlapping::Remove && (options.paper || options.flips != Flips::Untangle))
-    return fail(ErrorCode::BadUsage,
-                "overlaps are removed from maps without flips: that needs flips to be untangled");
-  return {};
-}
 
 template <class Work>
 auto with_memory(const Surface& surface, Work work) -> decltype(work()) {
@@ -384,6 +421,8 @@ Result<Flattening> flatten(const Surface& surface, const Constraints& constraint
   if (auto checked = check_options(options); !checked) return fail(checked.error());
   if (options.normalize && constraints.set != nullptr && !constraints.set->constraints.empty())
     return fail(ErrorCode::BadUsage, "normalize would change the sizes that constraints prescribe");
+  if (options.method == Method::Deform)
+    return with_memory(surface, [&] { return flatten_and_deform(surface, constraints, options, monitor); });
   return with_memory(surface, [&] { return Run(surface, constraints, options, monitor)(); });
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/flatten.hpp"
+#include "engine/verify/benchmark.hpp"
 #include "engine/verify/certificate.hpp"
 #include "engine/verify/overlaps.hpp"
 
@@ -12,6 +13,13 @@ namespace {
 void to_input_ids(std::vector<Index>& ids, In<Index> origin) {
   for (Index& id : ids) id = origin[id];
   std::sort(ids.begin(), ids.end());
+}
+
+std::vector<RestFrame> frames_in_mesh_units(const Workpiece& piece) {
+  const double unit = piece.mesh().unit;
+  std::vector<RestFrame> frame = piece.geometry.frame;
+  for (RestFrame& f : frame) f = {unit * f.x1, unit * f.x2, unit * f.y2};
+  return frame;
 }
 
 }  // namespace
@@ -87,8 +95,7 @@ ConstraintFacts constraint_facts(const ConstraintSystem& system, const DofMap& d
 
 Certificate measure_without_overlaps(const Exec& exec, const Workpiece& piece, In<Vec2> uv) {
   const OrderedMesh& mesh = piece.mesh();
-  std::vector<RestFrame> frame = piece.geometry.frame;
-  for (RestFrame& f : frame) f = {mesh.unit * f.x1, mesh.unit * f.x2, mesh.unit * f.y2};
+  const std::vector<RestFrame> frame = frames_in_mesh_units(piece);
   Certificate certificate = certify(exec, mesh.surface(), piece.topology(), frame, uv);
   to_input_ids(certificate.flipped, mesh.triangle_origin);
   to_input_ids(certificate.overwound, mesh.vertex_origin);
@@ -97,7 +104,10 @@ Certificate measure_without_overlaps(const Exec& exec, const Workpiece& piece, I
 
 Certificate measure_map(const Exec& exec, const Workpiece& piece, In<Vec2> uv) {
   Certificate certificate = measure_without_overlaps(exec, piece, uv);
-  Overlaps overlaps = find_overlaps(exec, piece.mesh().corner_vertex, uv);
+  const std::vector<RestFrame> frame = frames_in_mesh_units(piece);
+  Overlaps overlaps = find_overlaps(exec, piece.mesh().corner_vertex, uv, rest_areas(exec, frame));
+  certificate.benchmark =
+      benchmark_figures(exec, piece.mesh().corner_vertex, piece.topology(), frame, uv, overlaps);
   certificate.overlapping_pairs = overlaps.pairs;
   certificate.overlap_area_fraction = overlaps.map_area > 0 ? overlaps.common_area / overlaps.map_area : 0;
   for (std::array<Index, 2>& pair : overlaps.first) {

@@ -4,6 +4,7 @@
 #include <new>
 
 #include "engine/prepare/validate.hpp"
+#include "engine/verify/benchmark.hpp"
 #include "engine/verify/certificate.hpp"
 #include "engine/verify/claims_check.hpp"
 #include "engine/verify/constraint_checks.hpp"
@@ -92,7 +93,9 @@ void measure(const Exec& exec, const FlatSurface& flat, In<RestFrame> frame, Ver
   certificate = certify(exec, flat.surface(), flat.topology, frame, flat.uv);
   for (Index& v : certificate.overwound) v = flat.origin[v];
   std::sort(certificate.overwound.begin(), certificate.overwound.end());
-  Overlaps overlaps = find_overlaps(exec, flat.corner_vertex, flat.uv);
+  Overlaps overlaps = find_overlaps(exec, flat.corner_vertex, flat.uv, rest_areas(exec, frame));
+  certificate.benchmark =
+      benchmark_figures(exec, flat.corner_vertex, flat.topology, frame, flat.uv, overlaps);
   certificate.overlapping_pairs = overlaps.pairs;
   certificate.overlap_area_fraction = overlaps.map_area > 0 ? overlaps.common_area / overlaps.map_area : 0;
   result.overlapping = std::move(overlaps.first);

@@ -150,6 +150,7 @@ void draw_names(Canvas& canvas, In<PlacedFeature> features, const std::vector<Dr
     for (const auto& line : drawn[i].ideal.lines) placer.avoid(subdivided(line, false, kStep));
   }
   for (std::size_t i = 0; i < drawn.size(); ++i) {
+    if (features[i].name.empty()) continue;
     place_name(placer, canvas, features[i].name, drawn[i].anchors, i, panel.page_width);
   }
 }

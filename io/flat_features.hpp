@@ -26,7 +26,7 @@ struct FlatPanel {
 /// Fails: IndexOutOfRange, with the name of the feature.
 Result<void> check_features(In<PlacedFeature> features, Index num_vertices, Index num_triangles);
 
-/// Draws all features; ideal figures go as far as names do, a part of the margin around the panel.
+/// Draws all features, and their names where they have any; ideal figures go as far as names do, a part of the margin around the panel.
 /// Fails: never where check_features() does not.   Cost: O(chains + sizes of the regions + length in pixels).
 void draw_features(const Exec& exec, Canvas& canvas, In<PlacedFeature> features, const FlatPanel& panel);
 

@@ -143,7 +143,7 @@ double round_down(double x) {
 void draw_legend(Canvas& canvas, const Legend& legend, double top, double margin, double unit) {
   const Pen pen{canvas, margin, top, unit};
   draw_scale(pen, legend.limit);
-  draw_figures(pen, *legend.certificate);
+  if (legend.certificate != nullptr) draw_figures(pen, *legend.certificate);
   draw_size(pen, legend);
 }
 

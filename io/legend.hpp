@@ -8,8 +8,8 @@ namespace planish {
 
 /// What the strip tells.
 struct Legend {
-  double limit = 0.1;  ///< stretch minus 1 at the ends of the colour scale, > 0
-  const Certificate* certificate = nullptr;
+  double limit = 0.1;                        ///< stretch minus 1 at the ends of the colour scale, > 0
+  const Certificate* certificate = nullptr;  ///< null: no figures
   Index triangles = 0;
   Vec2 panel_size;  ///< of the panel, mesh units
   double pixels_a_unit = 1;

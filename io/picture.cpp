@@ -198,6 +198,17 @@ void mark_flips(Canvas& canvas, const Layout& layout, In<Index> flipped, In<Inde
   }
 }
 
+void draw_captions(Canvas& canvas, const Layout& layout, In<Caption> captions) {
+  constexpr double kSize = 20, kLine = 30;
+  for (const Caption& caption : captions) {
+    Vec2 at = layout.to_panel(caption.top) + layout.panel_corner;
+    for (std::size_t i = 0; i < caption.lines.size(); ++i) {
+      at.y += layout.unit * (i == 0 ? kSize : kLine);
+      canvas.text(at, caption.lines[i], {layout.unit * kSize, i == 0 ? kInk : kPale, i == 0, Anchor::Centre});
+    }
+  }
+}
+
 }  // namespace
 
 UvBox UvBox::with(In<Index> corner_vertex, In<Vec2> uv) const {
@@ -215,6 +226,10 @@ Result<void> write_picture(const Exec& exec, const std::string& path, const Surf
   if (!format) return fail(format.error());
   if (auto checked = check_input(surface, uv, certificate, options.features); !checked)
     return fail(checked.error());
+  for (const auto& copy : options.copies) {
+    auto checked = check_features(copy, surface.num_vertices(), surface.num_triangles());
+    if (!checked) return checked;
+  }
   const UvBox panel = UvBox().with(surface.corner_vertex, uv);
   UvBox box = options.window.value_or(UvBox()).with(surface.corner_vertex, uv);
   if (surface.num_triangles() == 0 && !options.window) box = {{}, {}};
@@ -233,15 +248,17 @@ Result<void> write_picture(const Exec& exec, const std::string& path, const Surf
   canvas.fill_rectangle({}, {double(layout.width), double(layout.height)}, kPaper);
   draw_field(canvas, layout, raster, make_wireframe(exec, outline, point, corner_vertex));
   draw_boundary(canvas, layout, outline, point, raster);
-  draw_features(exec, canvas, options.features,
-                {corner_vertex, point, layout.panel_corner, layout.panel_height, layout.width});
+  const FlatPanel flat{corner_vertex, point, layout.panel_corner, layout.panel_height, layout.width};
+  for (const auto& copy : options.copies) draw_features(exec, canvas, copy, flat);
+  draw_features(exec, canvas, options.features, flat);
   mark_flips(canvas, layout, certificate.flipped, corner_vertex, point);
+  draw_captions(canvas, layout, options.captions);
   draw_title(canvas, options.title, layout.width - 2 * layout.unit * kMargin, layout.unit);
   const PanelFigures figures = options.figures.value_or(
       PanelFigures{surface.num_triangles(), options.window ? panel.upper - panel.lower : layout.size});
   draw_legend(canvas,
               {.limit = field.limit,
-               .certificate = &certificate,
+               .certificate = figures.measured ? &certificate : nullptr,
                .triangles = figures.triangles,
                .panel_size = figures.size,
                .pixels_a_unit = layout.pixels_a_unit},

@@ -22,7 +22,14 @@ struct UvBox {
 /// What the strip under a picture says of the panel, where that is not all that is drawn.
 struct PanelFigures {
   Index triangles = 0;
-  Vec2 size;  ///< mesh units
+  Vec2 size;             ///< mesh units
+  bool measured = true;  ///< whether it states what the certificate has
+};
+
+/// Words on the panel, line below line, centred; the first one bold.
+struct Caption {
+  Vec2 top;  ///< mesh units
+  std::vector<std::string> lines;
 };
 
 struct PictureOptions {
@@ -32,6 +39,9 @@ struct PictureOptions {
   In<PlacedFeature> features = {};   ///< shown on the flat panel and listed below it
   std::optional<UvBox> window = {};  ///< what is shown at least; none: the panel
   std::optional<PanelFigures> figures = {};
+  std::vector<Caption> captions = {};
+  /// The features again, elsewhere on the panel: in the same colours, not listed, and named where they have names.
+  std::vector<std::vector<PlacedFeature>> copies = {};
 };
 
 /// Writes .svg or .png by extension. The colour of a triangle is the singular value that deviates more from 1

@@ -48,6 +48,16 @@ void add_certificate(Json& report, const Certificate& c) {
   report["overlapping_pairs"] = c.overlapping_pairs;
   report["overlapping_ids"] = c.overlapping;
   report["overlap_area_fraction"] = number(c.overlap_area_fraction);
+  const BenchmarkFigures& b = c.benchmark;
+  report["benchmark"] = {{"max_area_distortion", number(b.max_area_distortion)},
+                         {"average_area_error", number(b.average_area_error)},
+                         {"min_singular_value", number(b.min_singular_value)},
+                         {"max_singular_value", number(b.max_singular_value)},
+                         {"proportion_flipped_triangles", number(b.proportion_flipped_triangles)},
+                         {"bijectivity_violation_area", number(b.bijectivity_violation_area)},
+                         {"max_angle_distortion", number(b.max_angle_distortion)},
+                         {"average_angle_error", number(b.average_angle_error)},
+                         {"resolution", number(b.resolution)}};
 }
 
 void add_iteration(Json& report, const Flattening& f) {
@@ -249,6 +259,8 @@ Json path_or_null(const std::string& path) { return path.empty() ? Json(nullptr)
 std::string report_json(const Flattening& flattening, const ReportContext& context,
                         const ReportParts& parts) {
   Json report = head(context);
+  report["method"] = name(flattening.method);
+  if (!flattening.up_to_scale.empty()) report["up_to_scale"] = flattening.up_to_scale;
   report["mesh"] = mesh_facts(flattening.mesh);
   if (parts.embedding != nullptr) add_embedding(report, *parts.embedding);
   if (parts.cut != nullptr) add_cut(report, *parts.cut);

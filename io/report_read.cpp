@@ -60,6 +60,18 @@ void read_certificate(ReportReader& report, const JsonValue& root, Certificate& 
   // Pairs can be more than an index counts.
   certificate.overlapping_pairs = static_cast<Offset>(report.number(root, "overlapping_pairs"));
   certificate.overlap_area_fraction = report.number(root, "overlap_area_fraction");
+  const auto benchmark = report.object(root, "benchmark");
+  if (!benchmark) return;
+  BenchmarkFigures& b = certificate.benchmark;
+  b.max_area_distortion = report.number(*benchmark, "max_area_distortion");
+  b.average_area_error = report.number(*benchmark, "average_area_error");
+  b.min_singular_value = report.number(*benchmark, "min_singular_value");
+  b.max_singular_value = report.number(*benchmark, "max_singular_value");
+  b.proportion_flipped_triangles = report.number(*benchmark, "proportion_flipped_triangles");
+  b.bijectivity_violation_area = report.number(*benchmark, "bijectivity_violation_area");
+  b.max_angle_distortion = report.number(*benchmark, "max_angle_distortion");
+  b.average_angle_error = report.number(*benchmark, "average_angle_error");
+  b.resolution = report.number(*benchmark, "resolution");
 }
 
 Claims read_claims(JsonReader& reader, const JsonValue& root, MeshSize mesh) {

@@ -423,19 +423,25 @@ def doubled_area(polygon):
 
 
 def find_overlaps(chart):
-    """(number of pairs, common areas / area of the map)"""
+    """(number of pairs without a common vertex, their common areas / area of the map, area of the surface that lies under
+    other triangles, once for each of them / all of it)"""
     faces = [set(face) for face in chart.mesh.faces]
     turned = [image if o > 0 else image[::-1] for image, o in zip(chart.images, chart.orientations)]
     solid = [t for t, o in enumerate(chart.orientations) if o != 0]
     if not solid:
-        return 0, 0.0
-    pairs, common = 0, []
+        return 0, 0.0, 0.0
+    pairs, common, covered = 0, [], []
     for i, j in candidate_pairs([box_of(turned[t]) for t in solid]):
         s, t = solid[i], solid[j]
-        if faces[s].isdisjoint(faces[t]) and not separated(turned[s], turned[t]) and not separated(turned[t], turned[s]):
+        if separated(turned[s], turned[t]) or separated(turned[t], turned[s]):
+            continue
+        area = common_area(turned[s], turned[t])
+        covered += [2 * area * chart.areas[k] / doubled_area(turned[k]) for k in (s, t)]
+        if faces[s].isdisjoint(faces[t]):
             pairs += 1
-            common.append(common_area(turned[s], turned[t]))
-    return pairs, math.fsum(common) / (math.fsum(doubled_area(image) for image in turned) / 2)
+            common.append(area)
+    return (pairs, math.fsum(common) / (math.fsum(doubled_area(image) for image in turned) / 2),
+            math.fsum(covered) / math.fsum(chart.areas))
 
 
 # --------------------------------------------------------------------------------------------------------------------
@@ -487,7 +493,45 @@ def check_spread(verdict, name, reported, values, roundings, areas):
                      f"{name}.{key}: {below:.6%} of the area is below the reported {level!r}, {up_to:.6%} is not above")
 
 
+def space_angles(corners):
+    """At each corner, from its two edges."""
+    angles = []
+    for i in range(3):
+        a, b = ([q - p for p, q in zip(corners[i], corners[i - k])] for k in (1, 2))
+        cosine = sum(x * y for x, y in zip(a, b))
+        across = math.sqrt(max(0.0, sum(x * x for x in a) * sum(y * y for y in b) - cosine * cosine))
+        angles.append(math.atan2(across, cosine))
+    return angles
+
+
+def check_benchmark(verdict, chart, reported):
+    """Figures of Shay, Solomon and Stein but for overlaps: surface and map scaled to the area 1 each."""
+    s1, s2 = (chart.quantities[name][0] for name in ("sigma_max", "sigma_min"))
+    error = max(chart.quantities["sigma_max"][1])
+    total = math.fsum(chart.areas)
+    image = math.fsum(abs(a * b) * area for a, b, area in zip(s1, s2, chart.areas))
+    scale = math.sqrt(total / image)
+    shares = [(area / total, abs(a * b) * area / image) for a, b, area in zip(s1, s2, chart.areas)]
+    worst = max(ratio(abs(a), abs(b)) + ratio(abs(b), abs(a)) - 2 for a, b in zip(s1, s2))
+    wrong = sum(o < 0 for o in chart.orientations) / len(s1)
+    angles = math.fsum(a * sum(abs(x - y) for x, y in zip(space_angles([chart.mesh.points[v] for v in face]),
+                                                          space_angles(image)))
+                       for (a, _), face, image in zip(shares, chart.mesh.faces, chart.images))
+    xs, ys = zip(*(z for image in chart.images for z in image))
+    least = min(abs(b) for b in s2)
+    # Angles from coordinates carry a square root of rounding where they are flat.
+    found = {"max_area_distortion": (max(ratio(a, b) + ratio(b, a) - 2 for a, b in shares), 8 * error),
+             "average_area_error": (math.fsum(abs(a - b) for a, b in shares), 8 * error),
+             "min_singular_value": (scale * least, 2 * error), "max_singular_value": (scale * max(s1), 2 * error),
+             "proportion_flipped_triangles": (min(wrong, 1 - wrong), 0), "max_angle_distortion": (worst, 8 * error * (1 + worst)),
+             "average_angle_error": (angles, 1e-9),
+             "resolution": (ratio(max(max(xs) - min(xs), max(ys) - min(ys)), least), 2 * error * ratio(1.0, least))}
+    for name, (value, rounding) in found.items():
+        verdict.near("benchmark." + name, reported[name], value, rounding)
+
+
 def check_map(verdict, chart, report):
+    check_benchmark(verdict, chart, report["benchmark"])
     verdict.near("energy.arap", report["energy"]["arap"], *chart.arap)
     verdict.near("energy.symmetric_dirichlet", report["energy"]["symmetric_dirichlet"], *chart.symmetric_dirichlet)
     for name, (values, roundings) in chart.quantities.items():
@@ -532,9 +576,10 @@ def check_overlaps(verdict, chart, report, most_triangles):
     if len(chart.mesh.faces) > most_triangles:
         verdict.note(True, f"overlaps are not looked for above {most_triangles} triangles")
         return None
-    pairs, fraction = find_overlaps(chart)
+    pairs, fraction, covered = find_overlaps(chart)
     verdict.equal("overlapping_pairs", report["overlapping_pairs"], pairs)
     verdict.near("overlap_area_fraction", report["overlap_area_fraction"], fraction, 1e-13)
+    verdict.near("benchmark.bijectivity_violation_area", report["benchmark"]["bijectivity_violation_area"], covered, 1e-13)
     return pairs
 
 

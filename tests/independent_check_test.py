@@ -24,7 +24,7 @@ def constant(value):
 def report_of(mesh, arap, dirichlet, sigma_max, sigma_min, **others):
     """A report of a map with the same singular values everywhere; mesh: vertices, triangles, loops, euler."""
     report = {
-        "version": 1, "planish": "0.1.0", "command": "", "input": "",
+        "version": 1, "planish": "0.1.0", "command": "", "input": "", "method": "arap",
         "mesh": {"vertices": mesh[0], "unreferenced_vertices": 0, "duplicate_positions": 0, "triangles": mesh[1], "components": 1,
                  "boundary_loops": mesh[2], "euler": mesh[3], "outer": [0], "mollified_triangles": 0},
         "energy": {"arap": arap, "symmetric_dirichlet": dirichlet},
@@ -35,6 +35,13 @@ def report_of(mesh, arap, dirichlet, sigma_max, sigma_min, **others):
         "overlapping_pairs": 0, "overlap_area_fraction": 0.0, "iterations": 0, "converged": True, "gradient": 0.0,
         "holonomy_residual": 0.0, "history": [], "flips": {"method": "keep"}, "overlaps": {"method": "report"}, "timings_s": {}, "peak_memory_bytes": 0, "threads": 1,
         "repairs": [], "warnings": []}
+    scale = math.sqrt(sigma_max * sigma_min)
+    report["benchmark"] = {
+        "max_area_distortion": 0.0, "average_area_error": 0.0, "min_singular_value": sigma_min / scale,
+        "max_singular_value": sigma_max / scale, "proportion_flipped_triangles": 0.0, "bijectivity_violation_area": 0.0,
+        "max_angle_distortion": sigma_max / sigma_min + sigma_min / sigma_max - 2,
+        "average_angle_error": 2 * (math.pi / 4 - math.atan2(sigma_min, sigma_max)),  # right angles stay, 45 degrees do not
+        "resolution": 2 * sigma_max / sigma_min}  # of a square of side 2
     report.update(others)
     return report
 
@@ -108,7 +115,7 @@ class IndependentCheck(unittest.TestCase):
                 yield path
 
         checked = ("mesh", "energy", "stretch", "flipped_triangles", "overwound_vertices", "overlapping_pairs",
-                   "overlap_area_fraction")
+                   "overlap_area_fraction", "benchmark")
         unchecked = (("mesh", "mollified_triangles"), ("mesh", "duplicate_positions"))
         for path in numbers({key: self.report[key] for key in checked}):
             if path in unchecked:
@@ -174,9 +181,10 @@ class IndependentCheck(unittest.TestCase):
             found = checker.find_overlaps(self.chart(points, faces, uv))
             self.assertEqual(found[0], pairs)
             self.assertAlmostEqual(found[1], fraction, 14)
+            self.assertAlmostEqual(found[2], 2 * fraction, 14)
 
     def test_touching_triangles_do_not_overlap(self):
-        self.assertEqual(checker.find_overlaps(self.chart(self.points, self.faces, self.uv)), (0, 0.0))
+        self.assertEqual(checker.find_overlaps(self.chart(self.points, self.faces, self.uv)), (0, 0.0, 0.0))
 
     def test_annulus_and_two_components_are_counted(self):
         ring = [(math.cos(k), math.sin(k)) for k in (2 * math.pi * i / 6 for i in range(6))]

@@ -40,8 +40,10 @@ enum class ErrorCode {
   RegionBroken,             ///< a region that is not connected, not bounded by edges, or empty
   ConstraintInvalid,        ///< a constraint that names what does not exist or does not fit its feature
   ConstraintsConflict,      ///< constraints that cannot all hold
+  ConstraintUnsupported,    ///< a constraint that the method cannot express
   FactorizationFailed,      ///< the matrix is not positive definite
   ResidualTooLarge,         ///< rotations do not meet their rows
+  NoConvergence,            ///< an eigenvector, or directions of features, that iteration does not find
   OutOfMemory,              ///< memory could not be had
   CannotWrite,              ///< an output file could not be written
   Cancelled,                ///< stopped by the caller

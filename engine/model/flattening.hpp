@@ -31,6 +31,22 @@ struct MeshFacts {
   Index mollified_triangles = 0;  ///< needles whose weights were floored (see kernels/intrinsic/cotangents)
 };
 
+/// A map in the figures of the parameterization benchmark of Shay, Solomon and Stein (2022). Surface and map are scaled to the
+/// area 1 each, but for `resolution`; triangles count by their areas, turned over or not.
+struct BenchmarkFigures {
+  double max_area_distortion = 0;                         ///< largest a'/a + a/a' - 2 of a triangle's areas
+  double average_area_error = 0;                          ///< sum of |a' - a|
+  double min_singular_value = 0, max_singular_value = 0;  ///< of the Jacobians, without sign
+  double proportion_flipped_triangles = 0;                ///< det J < 0, or > 0 where these are fewer
+  double bijectivity_violation_area =
+      0;  ///< surface area that other triangles' images lie on, once for each of them
+  double max_angle_distortion = 0;  ///< largest s1/s2 + s2/s1 - 2
+  double average_angle_error =
+      0;  ///< mean over the area of a triangle's three |angle' - angle|, summed; radians
+  double resolution =
+      0;  ///< largest 1/s2 once the map fits into the unit square, unscaled surface; mesh units
+};
+
 /// Facts about a map, measured on its coordinates (DESIGN 3.8); energies and means per rest area.
 struct Certificate {
   double arap = 0;
@@ -43,6 +59,7 @@ struct Certificate {
   std::vector<Index> flipped;        ///< their ids, ascending
   std::vector<Index> overwound;      ///< vertex ids, ascending
   std::vector<std::array<Index, 2>> overlapping;  ///< the first kMaxListedIds of the pairs
+  BenchmarkFigures benchmark;
 };
 
 /// One step; iteration 0 is the first global solve.
@@ -123,6 +140,9 @@ struct StepTime {
 };
 
 struct Flattening {
+  Method method = Method::Arap;
+  std::vector<std::string>
+      up_to_scale;       ///< constraints whose shapes the method keeps, but not their given sizes
   std::vector<Vec2> uv;  ///< [V] mesh units; 0 0 for unreferenced vertices
   MeshFacts mesh;
   Certificate certificate;

@@ -11,6 +11,7 @@ const char* name(Phase phase) {
     case Phase::Compile: return "compile";
     case Phase::Order: return "order";
     case Phase::Start: return "start";
+    case Phase::Map: return "map";
     case Phase::LocalGlobal: return "local_global";
     case Phase::Untangle: return "untangle";
     case Phase::Polish: return "polish";

@@ -13,6 +13,7 @@ enum class Phase {
   Compile,
   Order,
   Start,
+  Map,
   LocalGlobal,
   Untangle,
   Polish,

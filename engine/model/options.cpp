@@ -5,6 +5,19 @@
 
 namespace planish {
 
+const char* name(Method method) {
+  switch (method) {
+    case Method::Arap: return "arap";
+    case Method::Lscm: return "lscm";
+    case Method::Dncp: return "dncp";
+    case Method::Spectral: return "spectral";
+    case Method::Abf: return "abf";
+    case Method::Yamabe: return "yamabe";
+    case Method::Deform: return "deform";
+  }
+  return "";
+}
+
 const char* name(Energy energy) {
   switch (energy) {
     case Energy::Arap: return "arap";

@@ -5,6 +5,19 @@
 
 namespace planish {
 
+/// How a map is made: the families of the paper's section 4, and the two methods it proposes.
+enum class Method {
+  Arap,      ///< as rigid as possible, constraints exact (Liu et al. 2008; the paper, section 5)
+  Lscm,      ///< least squares conformal map, two vertices pinned (Levy et al. 2002)
+  Dncp,      ///< discrete natural conformal parameterization (Desbrun et al. 2002): the same energy and map
+  Spectral,  ///< conformal map of least energy against its boundary's mass, nothing pinned (Mullen et al. 2008)
+  Abf,       ///< angle-based flattening: corner angles nearest to the surface's (Sheffer et al. 2005)
+  Yamabe,    ///< conformal scale factors, the outer boundary keeps its lengths (Springborn et al. 2008)
+  Deform,    ///< the map without constraints, deformed until it meets them (the paper, section 6)
+};
+
+const char* name(Method method);
+
 /// Where the first rotations come from (DESIGN 3.1).
 enum class Init {
   Uniform,    ///< minimum-norm connection, every dual edge counts the same (the paper)
@@ -40,6 +53,8 @@ enum class Overlapping {
 const char* name(Overlapping overlapping);
 
 struct FlattenOptions {
+  /// Others than Arap refuse what has no meaning for them where it is not as it is here.
+  Method method = Method::Arap;
   Init init = Init::Uniform;
   Energy energy = Energy::Arap;
   Flips flips = Flips::Untangle;

@@ -50,6 +50,28 @@ class Comparison {
   std::vector<std::string> differences_;
 };
 
+/// Distortions are 0 at isometries, so rounding counts absolutely; those of small triangles by their shapes.
+void compare_benchmarks(Comparison& comparison, const BenchmarkFigures& stated, const BenchmarkFigures& found,
+                        double rounding) {
+  const double worst = rounding * (1 + found.max_angle_distortion) * (1 + found.max_area_distortion);
+  comparison.number("a largest area distortion", stated.max_area_distortion, found.max_area_distortion,
+                    worst);
+  comparison.number("an average area error", stated.average_area_error, found.average_area_error, rounding);
+  comparison.number("a benchmark's least singular value", stated.min_singular_value, found.min_singular_value,
+                    rounding);
+  comparison.number("a benchmark's largest singular value", stated.max_singular_value,
+                    found.max_singular_value, rounding * found.max_singular_value);
+  comparison.number("a proportion of flipped triangles", stated.proportion_flipped_triangles,
+                    found.proportion_flipped_triangles);
+  comparison.number("a bijectivity violation area", stated.bijectivity_violation_area,
+                    found.bijectivity_violation_area, 1e-12);
+  comparison.number("a largest angle distortion", stated.max_angle_distortion, found.max_angle_distortion,
+                    worst);
+  comparison.number("an average angle error", stated.average_angle_error, found.average_angle_error,
+                    rounding);
+  comparison.number("a resolution", stated.resolution, found.resolution, worst * found.resolution);
+}
+
 void compare_certificates(Comparison& comparison, const Certificate& stated, const Certificate& found,
                           double rounding) {
   comparison.count("flipped triangles", stated.flipped_triangles, found.flipped_triangles);
@@ -65,6 +87,7 @@ void compare_certificates(Comparison& comparison, const Certificate& stated, con
   comparison.spread("sigma_min", stated.sigma_min, found.sigma_min);
   comparison.spread("area ratio", stated.area_ratio, found.area_ratio);
   comparison.spread("angle distortion", stated.angle_distortion, found.angle_distortion);
+  compare_benchmarks(comparison, stated.benchmark, found.benchmark, rounding);
 }
 
 void compare_features(Comparison& comparison, const Claims& claims, const WrittenMap& map) {

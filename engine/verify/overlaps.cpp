@@ -85,9 +85,18 @@ void keep_first(std::vector<std::array<Index, 2>>& pairs, std::size_t from) {
   pairs.resize(std::min(pairs.size(), kMaxListedIds));
 }
 
-void add_pair(const Image& a, const Image& b, Overlaps& sum) {
+double area_of(const Image& image) {
+  const auto& p = image.point;
+  return 0.5 * cross(p[1] - p[0], p[2] - p[0]);
+}
+
+void add_pair(const Image& a, const Image& b, In<double> rest_area, Overlaps& sum) {
   ++sum.pairs;
-  sum.common_area += common_area(a, b);
+  const double common = common_area(a, b);
+  sum.common_area += common;
+  if (!rest_area.empty())
+    sum.covered_rest_area +=
+        common * (rest_area[a.triangle] / area_of(a) + rest_area[b.triangle] / area_of(b));
   sum.first.push_back({std::min(a.triangle, b.triangle), std::max(a.triangle, b.triangle)});
   keep_first(sum.first, 4 * kMaxListedIds);
 }
@@ -150,26 +159,27 @@ class PairSearch {
   BoxTree tree_;
 };
 
-double image_area(const Image& image) {
-  const auto& p = image.point;
-  return 0.5 * cross(p[1] - p[0], p[2] - p[0]);
-}
-
 }  // namespace
 
-Overlaps find_overlaps(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
+double common_image_area(In<Index> corner_vertex, In<Vec2> uv, Index s, Index t) {
+  const Image a = image_of(s, corner_vertex, uv), b = image_of(t, corner_vertex, uv);
+  return a.box.meets(b.box) && share_interior(a, b) ? common_area(a, b) : 0;
+}
+
+Overlaps find_overlaps(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv, In<double> rest_area) {
   const PairSearch search(exec, corner_vertex, uv);
   std::vector<Overlaps> part(search.num_blocks());
-  search([&](Index block, const Image& a, const Image& b) { add_pair(a, b, part[block]); });
+  search([&](Index block, const Image& a, const Image& b) { add_pair(a, b, rest_area, part[block]); });
   Overlaps all;
   for (const Overlaps& p : part) {
     all.pairs += p.pairs;
     all.common_area += p.common_area;
+    all.covered_rest_area += p.covered_rest_area;
     all.first.insert(all.first.end(), p.first.begin(), p.first.end());
   }
   all.map_area = exec.sum_blocks(static_cast<Index>(search.images().size()), kBlock, [&](Range r) {
     double sum = 0;
-    for (Index i = r.begin; i < r.end; ++i) sum += image_area(search.images()[i]);
+    for (Index i = r.begin; i < r.end; ++i) sum += area_of(search.images()[i]);
     return sum;
   });
   keep_first(all.first, 0);

@@ -37,6 +37,7 @@ Flattening example() {
   f.certificate.overwound = {5};
   f.certificate.overlapping_pairs = 7;
   f.certificate.overlap_area_fraction = 1e-3 / 3;
+  f.certificate.benchmark = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, kInfinity, 0.8, 0.1 + 0.2};
   f.history = {{0, 0.5, 0}, {1, 0.25, 1e-3}};
   f.iterations = 1;
   f.converged = true;
@@ -50,6 +51,7 @@ Flattening example() {
 /// Of each kind one: a line, a direction of an edge, an angle of features, a pin.
 Flattening constrained() {
   Flattening f = example();
+  f.up_to_scale = {"straight sill"};
   f.constraints = {.outcome = {},
                    .bodies = 3,
                    .assemblies = 2,
@@ -148,6 +150,15 @@ TEST_CASE("report_json: numbers read back bit for bit") {
   const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
   CHECK(bits(r["energy"]["arap"]) == bits(0.1 + 0.2));
   CHECK(bits(r["overlap_area_fraction"]) == bits(1e-3 / 3));
+  CHECK(bits(r["benchmark"]["max_area_distortion"]) == bits(0.1));
+  CHECK(bits(r["benchmark"]["average_area_error"]) == bits(0.2));
+  CHECK(bits(r["benchmark"]["min_singular_value"]) == bits(0.3));
+  CHECK(bits(r["benchmark"]["max_singular_value"]) == bits(0.4));
+  CHECK(bits(r["benchmark"]["proportion_flipped_triangles"]) == bits(0.5));
+  CHECK(bits(r["benchmark"]["bijectivity_violation_area"]) == bits(0.6));
+  CHECK(r["benchmark"]["max_angle_distortion"].is_null());
+  CHECK(bits(r["benchmark"]["average_angle_error"]) == bits(0.8));
+  CHECK(bits(r["benchmark"]["resolution"]) == bits(0.1 + 0.2));
   CHECK(bits(r["holonomy_residual"]) == bits(5e-324));
   CHECK(bits(r["stretch"]["sigma_min"]["p99"]) == bits(-0.3 + 0.9));
   CHECK(r["peak_memory_bytes"] == 1LL << 40);

@@ -28,6 +28,7 @@ Flattening flattening() {
   f.certificate.overwound = {11};
   f.certificate.overlapping_pairs = 1LL << 40;
   f.certificate.overlap_area_fraction = 1e-3 / 3;
+  f.certificate.benchmark = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, kInfinity, 0.8, 0.1 + 0.2};
   f.history = {{0, 0.5, 0}};
   f.constraints.outcome = {{.name = "straight sill",
                             .type = "line",
@@ -108,6 +109,16 @@ TEST_CASE("report_read: what report_json writes comes back bit for bit") {
   CHECK(claims.certificate.overwound == f.certificate.overwound);
   CHECK(claims.certificate.overlapping_pairs == 1LL << 40);
   CHECK(same_bits(claims.certificate.overlap_area_fraction, f.certificate.overlap_area_fraction));
+  const BenchmarkFigures &read = claims.certificate.benchmark, &written = f.certificate.benchmark;
+  CHECK(same_bits(read.max_area_distortion, written.max_area_distortion));
+  CHECK(same_bits(read.average_area_error, written.average_area_error));
+  CHECK(same_bits(read.min_singular_value, written.min_singular_value));
+  CHECK(same_bits(read.max_singular_value, written.max_singular_value));
+  CHECK(same_bits(read.proportion_flipped_triangles, written.proportion_flipped_triangles));
+  CHECK(same_bits(read.bijectivity_violation_area, written.bijectivity_violation_area));
+  CHECK(read.max_angle_distortion == kInfinity);
+  CHECK(same_bits(read.average_angle_error, written.average_angle_error));
+  CHECK(same_bits(read.resolution, written.resolution));
 }
 
 TEST_CASE("report_read: features come back with their chains and triangles") {
@@ -195,7 +206,7 @@ TEST_CASE("report_read: values of another type are refused with the place") {
 
 TEST_CASE("report_read: missing keys are named, at every place where one is needed") {
   for (const char* key : {"version", "mesh", "energy", "stretch", "flipped_triangles", "overwound_ids",
-                          "overlapping_pairs", "overlap_area_fraction"}) {
+                          "overlapping_pairs", "overlap_area_fraction", "benchmark"}) {
     CAPTURE(key);
     json changed = json::parse(report());
     changed.erase(key);

@@ -1,0 +1,67 @@
+#include "engine/compare.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "kernels/local/jacobians.hpp"
+#include "kernels/local/svd2.hpp"
+
+namespace planish {
+namespace {
+
+double conformal_of(const Surface& surface, In<Vec2> uv) {
+  double sum = 0, whole = 0;
+  for (Index t = 0; t < surface.num_triangles(); ++t) {
+    const Index* v = &surface.corner_vertex[3 * static_cast<std::size_t>(t)];
+    const RestFrame frame =
+        rest_frame(surface.position[v[0]], surface.position[v[1]], surface.position[v[2]]);
+    const SingularValues s = singular_values(jacobian(frame, uv[v[0]], uv[v[1]], uv[v[2]]));
+    const double difference = s.sigma_max - s.sigma_min;
+    sum += 0.5 * area(frame) * difference * difference;
+    whole += area(frame);
+  }
+  return sum / whole;
+}
+
+/// Errors of the input, not of the method.
+bool concerns_all(const Error& error) {
+  return exit_code(error.code) != 5 && error.code != ErrorCode::NoConvergence &&
+         error.code != ErrorCode::FactorizationFailed && error.code != ErrorCode::ResidualTooLarge &&
+         error.code != ErrorCode::OutOfMemory;
+}
+
+}  // namespace
+
+double share_of_allowed(const ConstraintOutcome& c) {
+  constexpr double kRelative = 1e-9, kDegrees = 1e-7;
+  return c.residual / (c.degrees ? kDegrees : kRelative);
+}
+
+Result<std::vector<ComparedMethod>> compare(const Surface& surface, const Constraints& constraints,
+                                            const std::vector<Method>& methods, int threads,
+                                            const Monitor& monitor) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<ComparedMethod> rows;
+  for (const Method method : methods) {
+    ComparedMethod row{.method = method};
+    const auto begin = Clock::now();
+    auto flat = flatten(surface, constraints, {.method = method, .threads = threads}, monitor);
+    row.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    if (flat) {
+      row.flattening = std::move(*flat);
+      row.conformal = conformal_of(surface, row.flattening.uv);
+      const std::vector<ConstraintOutcome>& outcome = row.flattening.constraints.outcome;
+      const auto worst = std::ranges::max_element(outcome, {}, share_of_allowed);
+      if (worst != outcome.end()) row.worst_residual = worst->residual;
+    } else if (concerns_all(flat.error())) {
+      return fail(flat.error());
+    } else {
+      row.supported = flat.error().code != ErrorCode::ConstraintUnsupported;
+      row.reason = flat.error().what;
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace planish

@@ -1,0 +1,26 @@
+// Maps of one surface under the same constraints by several methods, and what was measured on them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/model/flattening.hpp"
+
+namespace planish {
+
+/// What became of one method.
+struct ComparedMethod {
+  Method method = Method::Arap;
+  bool supported = true;    ///< false: it cannot express one of the constraints
+  std::string reason = {};  ///< why there is no map; "": there is one
+  Flattening flattening = {};
+  double conformal = 0;  ///< mean over the rest area of (s1 - s2)^2 / 2, DESIGN 3.8's stretches
+  /// Of the constraint that is farthest from what is allowed: relative (allowed 1e-9), of angles in degrees (1e-7).
+  std::optional<double> worst_residual = {};
+  double seconds = 0;
+
+  bool has_map() const { return reason.empty(); }
+};
+
+}  // namespace planish
