@@ -27,7 +27,10 @@ class FlattenCommand {
         args_(args),
         exec_(common.threads),
         progress_(progress_style(common)),
-        monitor_(monitor_of(progress_)) {}
+        monitor_([this, show = monitor_of(progress_)](const Progress& state) {
+          if (state.iteration == 0 && state.energy == 0) peaks_.enter(state.phase);  // a step begins
+          return show(state);
+        }) {}
 
   Result<int> operator()() {
     return check_outputs({{args_.output, {"ply", "obj"}},
@@ -166,6 +169,7 @@ class FlattenCommand {
   /// The report goes last: it states the others' times.
   Result<void> write() {
     progress_.show({.phase = Phase::Write});
+    peaks_.enter(Phase::Write);
     auto written = stopwatch_(Phase::Write, [&] {
       return write_output().and_then([&] { return write_flat(); }).and_then([&] { return draw(); });
     });
@@ -208,7 +212,8 @@ class FlattenCommand {
                                    .mendings = featured_.input.mendings,
                                    .warnings = warnings_,
                                    .extra_timings = stopwatch_.times(),
-                                   .peak_memory_bytes = peak_memory_bytes()},
+                                   .peak_memory_bytes = peak_memory_bytes(),
+                                   .peaks = peaks_.peaks()},
                                   {.embedding = featured_.embedding ? &*featured_.embedding : nullptr,
                                    .cut = facts ? &*facts : nullptr,
                                    .price = price_ ? &*price_ : nullptr}));
@@ -301,6 +306,7 @@ class FlattenCommand {
   ProgressLine progress_;
   Monitor monitor_;
   Stopwatch stopwatch_;
+  PeakByStep peaks_;
   FeaturedMesh featured_;
   std::optional<Cut> cut_;
   std::vector<Feature> parted_;  // on the opened surface

@@ -38,6 +38,10 @@ TEST_CASE("program: flatten writes mesh, report, picture and flat mesh, and exit
     CHECK(report.at("converged") == true);
     CHECK(report.at("mesh").at("boundary_loops") == 1);
     CHECK(report.at("peak_memory_bytes") > 1'000'000);
+    CHECK(report.at("peak_memory_by_step_bytes").at("read") > 1'000'000);
+    CHECK(report.at("peak_memory_by_step_bytes").at("read") <=
+          report.at("peak_memory_by_step_bytes").at("write"));
+    CHECK(report.at("peak_memory_by_step_bytes").at("write") >= report.at("peak_memory_bytes"));
     CHECK(content_of(scratch.file("p.png")).substr(1, 3) == "PNG");
     CHECK(run("flatten " + scratch.file("out." + extension)).code == 0);  // what we write we read
     CHECK(run("info " + scratch.file("f.obj")).code == 0);

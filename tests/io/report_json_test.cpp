@@ -83,7 +83,8 @@ ReportContext context() {
           .mendings = {{"turned triangles", 47, {1, 2}}},
           .warnings = {"a warning"},
           .extra_timings = {{"read", 0.5}, {"write", 0.5}},
-          .peak_memory_bytes = 1LL << 40};
+          .peak_memory_bytes = 1LL << 40,
+          .peaks = {{"read", 1000}, {"local_global", 1LL << 40}}};
 }
 
 json report() { return json::parse(report_json(example(), context())); }
@@ -151,6 +152,7 @@ TEST_CASE("report_json: numbers read back bit for bit") {
   CHECK(bits(r["holonomy_residual"]) == bits(5e-324));
   CHECK(bits(r["stretch"]["sigma_min"]["p99"]) == bits(-0.3 + 0.9));
   CHECK(r["peak_memory_bytes"] == 1LL << 40);
+  CHECK(r["peak_memory_by_step_bytes"] == json{{"read", 1000}, {"local_global", 1LL << 40}});
 }
 
 TEST_CASE("report_json: infinite and undefined numbers are null") {
