@@ -93,8 +93,12 @@ class FlattenCommand {
         "clusters, {} free scales, directions and places\n",
         planned->mesh.triangles, planned->unknowns, facts.bodies, facts.assemblies, facts.clusters,
         facts.border_unknowns);
-    fmt::print("no contradiction found; factor of {} entries, about {:.2f} GB of memory\n",
+    fmt::print("no contradiction found; factor of {} entries, about {:.2f} GB of memory",
                facts.factor_nonzeros, static_cast<double>(planned->memory_bytes) * 1e-9);
+    if (args_.options.flips == Flips::Untangle && !args_.options.paper)
+      fmt::print(", {:.2f} GB where flips have to be removed",
+                 static_cast<double>(planned->newton_bytes) * 1e-9);
+    fmt::print("\n");
     return 0;
   }
 

@@ -7,6 +7,7 @@
 
 #include "engine/constraints/constrained_start.hpp"
 #include "engine/flatten_steps.hpp"
+#include "engine/memory_need.hpp"
 #include "engine/near_constraints.hpp"
 #include "engine/prepare/connection.hpp"
 #include "engine/solve/flip_free.hpp"
@@ -34,6 +35,7 @@ class Run {
     return check()
         .and_then([&] { return compile_constraints(); })
         .and_then([&] { return order(); })
+        .and_then([&] { return choose_by_memory(); })
         .and_then([&] { return start(); })
         .and_then([&] { return minimise(); })
         .and_then([&] { return place(); })
@@ -66,6 +68,10 @@ class Run {
 
   Result<void> check() {
     result_.threads = exec_.threads();
+    const Index num_triangles = surface_.num_triangles();
+    auto fits = within_memory(memory_of_checks(num_triangles), options_.memory_limit,
+                              "checking and ordering the mesh needs");
+    if (!fits) return fits;
     return timed(Phase::Check, [&]() -> Result<void> {
       auto piece = make_workpiece(exec_, surface_);
       if (!piece) return fail(piece.error());
@@ -118,14 +124,31 @@ class Run {
     });
   }
 
-  /// The rotation problem and the factorization for the positions depend on the order alone: both at once.
+  Result<void> choose_by_memory() {
+    if (options_.memory_limit == 0) return {};
+    const auto nonzeros = factor_nonzeros(laplacian_, piece_.order);
+    if (!nonzeros) return fail(nonzeros.error());
+    need_ = memory_need(mesh().num_triangles(), *nonzeros, 0);
+    return within_memory(need_.in_turn, options_.memory_limit, "local/global needs");
+  }
+  bool fits(Offset bytes) const { return options_.memory_limit == 0 || bytes <= options_.memory_limit; }
+
+  /// The rotation problem and the analysis for the positions depend on the order alone: both at once where there is memory.
   Result<void> start() {
     return timed(Phase::Start, [&]() -> Result<void> {
       Result<void> rotations;
       Result<GlobalPhase> global = fail({});
-      exec_.both([&] { rotations = rotate(); }, [&] { global = piece_.factor(exec_, laplacian_); });
+      const auto first = [&] { rotations = rotate(); };
+      const auto second = [&] { global = GlobalPhase::analyse(exec_, laplacian_, piece_.order); };
+      if (fits(need_.at_once)) {
+        exec_.both(first, second);
+      } else {
+        first();
+        second();
+      }
       if (!rotations) return rotations;
       if (!global) return fail(global.error());
+      if (auto factored = global->refactor(exec_, laplacian_); !factored) return factored;
       global_.emplace(std::move(*global));
       laplacian_ = {};
       result_.mesh.outer = piece_.outer_loop;
@@ -182,6 +205,7 @@ class Run {
   Result<void> minimise() {
     ArapProblem arap = piece_.problem(*global_, nodes_, *start_.first, start_.last(), start_.rotation);
     arap.turns_freely = components_that_turn();
+    arap.newton_fits = fits(need_.newton);
     if (!system_) arap.last_resort = [this] { return tutte_map(exec_, piece_.start_input()); };
     Minimum minimum;
     const auto found = [&]() -> Result<void> {
@@ -191,6 +215,8 @@ class Run {
       return {};
     };
     auto done = timed(Phase::LocalGlobal, found);
+    if (done && removes_flips() && !(minimum.injective && minimum.converged))
+      done = within_memory(need_.newton, options_.memory_limit, "without flips kept, Newton steps need");
     if (done && removes_flips()) {
       done = timed(Phase::Untangle, [&] { return remove_flips(exec_, arap, options_, monitor_, minimum); });
       global_.reset();
@@ -311,12 +337,10 @@ class Run {
       if (auto few = check_border(**dof); !few) return few;
       plan_.facts = constraint_facts(*system_, **dof, *nonzeros);
     }
-    constexpr Offset kBytesATriangle = 480;  // columns of the mesh and of the iteration, measured
-    const Offset border = plan_.facts.border_unknowns;
-    constexpr Offset kDenseCopies = 3;  // corner, Schur complement, its factor
-    plan_.memory_bytes =
-        kBytesATriangle * mesh().num_triangles() + 2 * 8 * *nonzeros + kDenseCopies * 8 * border * border;
-    return {};
+    const MemoryNeed need = memory_need(mesh().num_triangles(), *nonzeros, plan_.facts.border_unknowns);
+    plan_.memory_bytes = fits(need.at_once) ? need.at_once : need.in_turn;
+    plan_.newton_bytes = std::max(plan_.memory_bytes, need.newton);
+    return within_memory(need.in_turn, options_.memory_limit, "local/global needs");
   }
 
   const OrderedMesh& mesh() const { return piece_.mesh(); }
@@ -340,12 +364,14 @@ class Run {
   std::vector<Vec2> uv_;  // [V] of the ordered mesh
   Flattening result_;
   ConstraintPlan plan_;
+  MemoryNeed need_;  // filled where memory is limited
 };
 
 Result<void> check_options(const FlattenOptions& options) {
   if (!(options.tolerance > 0)) return fail(ErrorCode::BadUsage, "tolerance must be above 0");
   if (options.max_iterations < 0) return fail(ErrorCode::BadUsage, "max_iterations must not be negative");
   if (options.threads < 0) return fail(ErrorCode::BadUsage, "threads must not be negative");
+  if (options.memory_limit < 0) return fail(ErrorCode::BadUsage, "memory_limit must not be negative");
   if (options.energy == Energy::SymmetricDirichlet && (options.paper || options.flips != Flips::Untangle))
     return fail(
         ErrorCode::BadUsage,

@@ -298,3 +298,21 @@ TEST_CASE("program: what passes through: colours, quality, groups, materials, ea
        {"mtllib car.mtl\n", "g skin\nusemtl red\nf 1/1 2/2 3/3\n", "g rim\nf 1/1 3/3 4/4\n"})
     CHECK_MESSAGE(has(obj, line), obj);
 }
+
+TEST_CASE("program: a memory limit that is too small is refused before anything is solved or written") {
+  const Scratch scratch;
+  REQUIRE(run("sample hood --triangles 2000 -o " + scratch.file("in.ply")).code == 0);
+  const std::string flatten =
+      "flatten " + scratch.file("in.ply") + " -o " + scratch.file("o.ply") + " --memory-limit ";
+  const Ran refused = run(flatten + "1M");
+  CHECK(refused.code == 4);
+  CHECK_MESSAGE(has(refused.err, "the limit is 1 MB"), refused.err);
+  CHECK(scratch.count() == 1);
+  CHECK(run(flatten + "a-lot").code == 2);
+  CHECK(run(flatten + "0").code == 2);
+  CHECK(run(flatten + "2G").code == 0);
+  const Ran planned = run("flatten " + scratch.file("in.ply") + " --dry-run");
+  CHECK_MESSAGE(has(planned.out, "GB where flips have to be removed"), planned.out);
+  CHECK_FALSE(
+      has(run("flatten " + scratch.file("in.ply") + " --dry-run --flips keep").out, "have to be removed"));
+}
