@@ -1,5 +1,8 @@
 #include "engine/solve/local_phase.hpp"
 
+#include <array>
+#include <cstddef>
+
 #include "kernels/local/proxy.hpp"
 
 namespace planish {
@@ -28,8 +31,10 @@ LocalPhase::LocalPhase(const Exec& exec, const ArapEnergy& energy)
 template <class Triangles>
 double LocalPhase::sweep(Triangles triangles, Out<Vec2> force) {
   const double energy = exec_.sum_blocks(energy_.num_triangles(), kForceBlock, [&](Range r) {
-    std::array<Vec2, 3 * kForceBlock> near;
-    const double sum = triangles(r, Out<Vec2>(near));
+    alignas(64) std::array<std::byte, 3 * kForceBlock * sizeof(Vec2)>
+        room;  // not set to zero as Vec2 would be
+    const Out<Vec2> near(reinterpret_cast<Vec2*>(room.data()), 3 * kForceBlock);
+    const double sum = triangles(r, near);
     const Index block = r.begin / kForceBlock, first_corner = 3 * r.begin;
     gather_runs(blocks_.runs_of(block), blocks_.inner, blocks_.slot, near, force);
     const Range outward = blocks_.outward_of(block);
