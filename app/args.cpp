@@ -139,6 +139,11 @@ void add_flatten(CLI::App& app, FlattenArgs& args) {
       ->needs("--constraints");
   app.add_flag("--dry-run", args.dry_run,
                "look for contradictions, count unknowns, estimate memory; solve and write nothing");
+  app.add_option("--memory-limit", args.memory_limit,
+                 "memory to make do with, as 20G (K, M, G, T: powers of 1024); what cannot is refused "
+                 "beforehand [none]")
+      ->transform(CLI::AsSizeValue(false).description(""))
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 62).description(""));
   app.add_flag("--normalize", args.options.normalize, "scale uv into the unit square (else true scale)");
 }
 
@@ -314,6 +319,7 @@ Result<Args> parse_args(int argc, const char* const* argv) {
       return fail(checked.error());
   }
   flatten.options.threads = args.common.threads;
+  flatten.options.memory_limit = static_cast<std::int64_t>(flatten.memory_limit);
   deform.edit.threads = args.common.threads;
   if (chosen == flatten_app) args.command = flatten;
   if (compare.methods.empty()) compare.methods = all_methods();

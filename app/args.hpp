@@ -25,6 +25,7 @@ struct FlattenArgs {
   std::string mesh, constraints, output, report, picture, flat;
   bool repair = false;
   bool price = false, dry_run = false;
+  std::uint64_t memory_limit = 0;  ///< bytes, 0: none
   CutMode cut = CutMode::None;
   FlattenOptions options;
 };

@@ -104,6 +104,24 @@ Offset peak_memory_bytes() {
   return static_cast<Offset>(usage.ru_maxrss) * 1024;
 }
 
+void PeakByStep::enter(Phase phase) {
+  if (phase != present_) past_ = peaks();
+  present_ = phase;
+}
+
+std::vector<StepPeak> PeakByStep::peaks() const {
+  std::vector<StepPeak> all = past_;
+  const StepPeak now{name(present_), peak_memory_bytes()};
+  const auto known =
+      std::find_if(all.begin(), all.end(), [&](const StepPeak& p) { return p.step == now.step; });
+  if (known == all.end()) {
+    all.push_back(now);
+  } else {
+    known->bytes = now.bytes;  // a step taken again
+  }
+  return all;
+}
+
 std::string file_name(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
 
 }  // namespace planish

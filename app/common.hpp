@@ -12,6 +12,7 @@
 #include "engine/model/flattening.hpp"
 #include "engine/model/mesh.hpp"
 #include "engine/prepare/repair.hpp"
+#include "io/report_json.hpp"
 
 namespace planish {
 
@@ -53,6 +54,18 @@ ProgressStyle progress_style(const CommonArgs& common);
 Monitor monitor_of(ProgressLine& progress);
 
 Offset peak_memory_bytes();
+
+/// Largest resident size up to the end of each step, as steps follow one another.
+class PeakByStep {
+ public:
+  void enter(Phase phase);
+  /// With the present step, which goes on.
+  std::vector<StepPeak> peaks() const;
+
+ private:
+  std::vector<StepPeak> past_;
+  Phase present_ = Phase::Read;
+};
 
 /// "dir/part.obj" -> "part.obj".
 std::string file_name(const std::string& path);

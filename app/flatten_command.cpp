@@ -26,7 +26,10 @@ class FlattenCommand {
         files_{args.mesh, args.constraints, args.repair, args.cut},
         exec_(common.threads),
         progress_(progress_style(common)),
-        monitor_(monitor_of(progress_)) {}
+        monitor_([this, show = monitor_of(progress_)](const Progress& state) {
+          if (state.iteration == 0 && state.energy == 0) peaks_.enter(state.phase);  // a step begins
+          return show(state);
+        }) {}
 
   Result<int> operator()() {
     return check_outputs({{args_.output, {"ply", "obj"}},
@@ -69,8 +72,12 @@ class FlattenCommand {
         "clusters, {} free scales, directions and places\n",
         planned->mesh.triangles, planned->unknowns, facts.bodies, facts.assemblies, facts.clusters,
         facts.border_unknowns);
-    fmt::print("no contradiction found; factor of {} entries, about {:.2f} GB of memory\n",
+    fmt::print("no contradiction found; factor of {} entries, about {:.2f} GB of memory",
                facts.factor_nonzeros, static_cast<double>(planned->memory_bytes) * 1e-9);
+    if (planned->newton_bytes > 0 && args_.options.flips == Flips::Untangle && !args_.options.paper)
+      fmt::print(", {:.2f} GB where flips or overlaps have to be removed",
+                 static_cast<double>(planned->newton_bytes) * 1e-9);
+    fmt::print("\n");
     return 0;
   }
 
@@ -115,6 +122,7 @@ class FlattenCommand {
   /// The report goes last: it states the others' times.
   Result<void> write() {
     progress_.show({.phase = Phase::Write});
+    peaks_.enter(Phase::Write);
     auto written = stopwatch_(Phase::Write, [&] {
       return write_output().and_then([&] { return write_flat(); }).and_then([&] { return draw(); });
     });
@@ -160,7 +168,8 @@ class FlattenCommand {
                      .mendings = opened_.featured.input.mendings,
                      .warnings = warnings_,
                      .extra_timings = stopwatch_.times(),
-                     .peak_memory_bytes = peak_memory_bytes()},
+                     .peak_memory_bytes = peak_memory_bytes(),
+                     .peaks = peaks_.peaks()},
                     {.embedding = opened_.featured.embedding ? &*opened_.featured.embedding : nullptr,
                      .cut = facts ? &*facts : nullptr,
                      .price = price_ ? &*price_ : nullptr}));
@@ -263,6 +272,7 @@ class FlattenCommand {
   ProgressLine progress_;
   Monitor monitor_;
   Stopwatch stopwatch_;
+  PeakByStep peaks_;
   OpenedMesh opened_;
   std::vector<std::string> warnings_;
   Flattening flattening_;

@@ -11,6 +11,7 @@
 #include "engine/methods/deformed.hpp"
 #include "engine/methods/method.hpp"
 #include "engine/methods/sizes.hpp"
+#include "engine/memory_need.hpp"
 #include "engine/near_constraints.hpp"
 #include "engine/prepare/connection.hpp"
 #include "engine/solve/flip_free.hpp"
@@ -39,6 +40,7 @@ class Run {
     return check()
         .and_then([&] { return compile_constraints(); })
         .and_then([&] { return order(); })
+        .and_then([&] { return choose_by_memory(); })
         .and_then([&] { return method_ ? map_by_method() : start().and_then([&] { return minimise(); }); })
         .and_then([&] { return place(); })
         .map([&] { return std::move(result_); });
@@ -71,6 +73,10 @@ class Run {
   Result<void> check() {
     result_.threads = exec_.threads();
     result_.method = options_.method;
+    const Index num_triangles = surface_.num_triangles();
+    auto fits = within_memory(memory_of_checks(num_triangles), options_.memory_limit,
+                              "checking and ordering the mesh needs");
+    if (!fits) return fits;
     return timed(Phase::Check, [&]() -> Result<void> {
       auto piece = make_workpiece(exec_, surface_);
       if (!piece) return fail(piece.error());
@@ -130,14 +136,34 @@ class Run {
     });
   }
 
-  /// The rotation problem and the factorization for the positions depend on the order alone: both at once.
+  Result<void> choose_by_memory() {
+    if (options_.memory_limit == 0) return {};
+    const auto nonzeros = factor_nonzeros(laplacian_, piece_.order);
+    if (!nonzeros) return fail(nonzeros.error());
+    need_ = memory_need(mesh().num_triangles(), factors() * *nonzeros, 0);
+    return within_memory(need_.in_turn, options_.memory_limit,
+                         method_ ? "the map needs" : "local/global needs");
+  }
+  /// In factors of the Laplacian; methods other than ARAP couple u and v in one of four times the size beside it.
+  Offset factors() const { return method_ ? 3 : 1; }
+  bool fits(Offset bytes) const { return options_.memory_limit == 0 || bytes <= options_.memory_limit; }
+
+  /// The rotation problem and the analysis for the positions depend on the order alone: both at once where there is memory.
   Result<void> start() {
     return timed(Phase::Start, [&]() -> Result<void> {
       Result<void> rotations;
       Result<GlobalPhase> global = fail({});
-      exec_.both([&] { rotations = rotate(); }, [&] { global = piece_.factor(exec_, laplacian_); });
+      const auto first = [&] { rotations = rotate(); };
+      const auto second = [&] { global = GlobalPhase::analyse(exec_, laplacian_, piece_.order); };
+      if (fits(need_.at_once)) {
+        exec_.both(first, second);
+      } else {
+        first();
+        second();
+      }
       if (!rotations) return rotations;
       if (!global) return fail(global.error());
+      if (auto factored = global->refactor(exec_, laplacian_); !factored) return factored;
       global_.emplace(std::move(*global));
       laplacian_ = {};
       result_.mesh.outer = piece_.outer_loop;
@@ -232,6 +258,7 @@ class Run {
   Result<void> minimise() {
     ArapProblem arap = piece_.problem(*global_, nodes_, *start_.first, start_.last(), start_.rotation);
     arap.turns_freely = components_that_turn();
+    arap.newton_fits = fits(need_.newton);
     if (!system_) arap.last_resort = [this] { return tutte_map(exec_, piece_.start_input()); };
     Minimum minimum;
     const auto found = [&]() -> Result<void> {
@@ -241,6 +268,8 @@ class Run {
       return {};
     };
     auto done = timed(Phase::LocalGlobal, found);
+    if (done && removes_flips() && !(minimum.injective && minimum.converged))
+      done = within_memory(need_.newton, options_.memory_limit, "without flips kept, Newton steps need");
     if (done && removes_flips()) {
       done = timed(Phase::Untangle, [&] { return remove_flips(exec_, arap, options_, monitor_, minimum); });
       global_.reset();
@@ -366,13 +395,12 @@ class Run {
       if (auto few = check_border(**dof); !few) return few;
       plan_.facts = constraint_facts(*system_, **dof, *nonzeros);
     }
-    constexpr Offset kBytesATriangle = 480;  // columns of the mesh and of the iteration, measured
-    const Offset border = plan_.facts.border_unknowns;
-    const Offset factors = method_ ? 6 : 2;  // u and v are coupled in a factor four times the size
-    constexpr Offset kDenseCopies = 3;       // corner, Schur complement, its factor
-    plan_.memory_bytes = kBytesATriangle * mesh().num_triangles() + factors * 8 * *nonzeros +
-                         kDenseCopies * 8 * border * border;
-    return {};
+    const MemoryNeed need =
+        memory_need(mesh().num_triangles(), factors() * *nonzeros, plan_.facts.border_unknowns);
+    plan_.memory_bytes = fits(need.at_once) ? need.at_once : need.in_turn;
+    plan_.newton_bytes = method_ ? 0 : std::max(plan_.memory_bytes, need.newton);
+    return within_memory(need.in_turn, options_.memory_limit,
+                         method_ ? "the map needs" : "local/global needs");
   }
 
   const OrderedMesh& mesh() const { return piece_.mesh(); }
@@ -398,6 +426,7 @@ class Run {
   std::vector<Vec2> uv_;  // [V] of the ordered mesh
   Flattening result_;
   ConstraintPlan plan_;
+  MemoryNeed need_;  // filled where memory is limited
 };
 
 template <class Work>

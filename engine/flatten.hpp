@@ -13,8 +13,7 @@ namespace planish {
 /// Flattens every component as rigidly as possible (ARAP) and lays the components out side by side.
 /// The surface's arrays are read, not kept. Concurrent calls are allowed.
 /// Fails: BadUsage (an option out of range); IndexOutOfRange, TooLarge and the defects of diagnose();
-/// OutOfMemory;
-///        Cancelled.
+/// OutOfMemory (also where estimates exceed options.memory_limit); Cancelled.
 /// Cost: at 909k triangles 8 to 10 s on 2 cores; see perf/README.md.
 /// Ref: Liu et al. 2008 (energy, local/global); Vaitkus and Varady (rotations first).
 Result<Flattening> flatten(const Surface& surface, const FlattenOptions& options = {},
@@ -43,6 +42,7 @@ struct ConstraintPlan {
   ConstraintFacts facts;    ///< outcome is empty
   Offset unknowns = 0;      ///< complex ones of the sparse part
   Offset memory_bytes = 0;  ///< estimate of the solve's peak
+  Offset newton_bytes = 0;  ///< the same where flips or overlaps have to be removed; 0: nothing removes them
 };
 Result<ConstraintPlan> plan(const Surface& surface, const Constraints& constraints,
                             const FlattenOptions& options = {}, const Monitor& monitor = {});

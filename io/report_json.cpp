@@ -274,6 +274,10 @@ std::string report_json(const Flattening& flattening, const ReportContext& conte
   add_overlaps(report, flattening.overlaps);
   report["timings_s"] = timings(flattening.timings, context.extra_timings);
   report["peak_memory_bytes"] = context.peak_memory_bytes;
+  if (!context.peaks.empty()) {
+    Json& peaks = report["peak_memory_by_step_bytes"] = Json::object();
+    for (const StepPeak& peak : context.peaks) peaks[peak.step] = peak.bytes;
+  }
   report["threads"] = flattening.threads;
   report["repairs"] = repairs(context.mendings);
   report["warnings"] = context.warnings;

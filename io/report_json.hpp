@@ -15,6 +15,12 @@
 
 namespace planish {
 
+/// Largest resident size of the process up to the end of a step.
+struct StepPeak {
+  std::string step;
+  Offset bytes = 0;
+};
+
 /// Beside the result itself, what the program knows.
 struct ReportContext {
   std::string input;                    ///< path of the mesh as given
@@ -23,6 +29,7 @@ struct ReportContext {
   std::vector<std::string> warnings;    ///< readers' and writers'
   std::vector<StepTime> extra_timings;  ///< read, write
   Offset peak_memory_bytes = 0;
+  std::vector<StepPeak> peaks = {};  ///< in the order of the steps; may be empty
 };
 
 /// What cutting along seams did.

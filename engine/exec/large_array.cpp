@@ -1,5 +1,7 @@
 #include "engine/exec/large_array.hpp"
 
+#include <cstdint>
+
 #ifdef __linux__
 #include <sys/mman.h>
 #endif
@@ -17,6 +19,17 @@ void* allocate_pages(std::size_t bytes) noexcept {
   if (memory && page == kLargePage) madvise(memory, whole, MADV_HUGEPAGE);
 #endif
   return memory;
+}
+
+void discard_pages(void* begin, void* end) noexcept {
+#ifdef __linux__
+  constexpr std::uintptr_t kPage = 4096;
+  const std::uintptr_t first = (reinterpret_cast<std::uintptr_t>(begin) + kPage - 1) / kPage * kPage,
+                       last = reinterpret_cast<std::uintptr_t>(end) / kPage * kPage;
+  if (first < last) madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED);
+#else
+  static_cast<void>(begin), static_cast<void>(end);
+#endif
 }
 
 }  // namespace planish

@@ -12,6 +12,9 @@ namespace planish {
 /// Bytes on a boundary of large pages, untouched; nullptr where there are not so many.
 void* allocate_pages(std::size_t bytes) noexcept;
 
+/// Gives the whole pages within [begin, end) of such memory back to the system, where it takes them: what they held is lost.
+void discard_pages(void* begin, void* end) noexcept;
+
 /// Fixed-size array of numbers whose values are not set: the first to write them are the threads that use them.
 template <class T>
 class LargeArray {
@@ -26,6 +29,8 @@ class LargeArray {
   T* data() { return value_.get(); }
   const T* data() const { return value_.get(); }
   Offset size() const { return size_; }
+  /// The values [begin, end) are not needed any more, their memory may go before that of the others.
+  void discard(Offset begin, Offset end) { discard_pages(data() + begin, data() + end); }
 
  private:
   struct Free {

@@ -56,7 +56,8 @@ const char* name(Overlapping overlapping) {
 }
 
 Overlapping overlapping(const FlattenOptions& options) {
-  const bool untangled = !options.paper && options.flips == Flips::Untangle;
+  const bool untangled =
+      options.method == Method::Arap && !options.paper && options.flips == Flips::Untangle;
   return options.overlaps.value_or(untangled ? Overlapping::Remove : Overlapping::Report);
 }
 

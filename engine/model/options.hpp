@@ -1,6 +1,7 @@
 // Every tunable of flatten: unit, range, default.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 namespace planish {
@@ -67,6 +68,9 @@ struct FlattenOptions {
   bool keep_directions = false;  ///< features keep the directions of the first rotations: no refit
   bool normalize = false;        ///< scale and move uv into the unit square
   int threads = 0;               ///< 0: the arena of the calling thread
+  /// Bytes that the process may hold, 0: no matter. Methods are chosen that fit by estimate; where none does, that is said
+  /// before the memory is taken.
+  std::int64_t memory_limit = 0;
 };
 
 /// What options say about overlaps, or mean where they do not say.

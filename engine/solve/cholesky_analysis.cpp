@@ -1,6 +1,7 @@
 #include "engine/solve/cholesky_analysis.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <new>
 #include <numeric>
 
@@ -207,7 +208,7 @@ void fill_places(const Exec& exec, const SymmetricMatrix& matrix, In<Index> plac
   visit([&](Index k, Index column, Index row) {
     const Index s = supernode_of[column], e = count[s]++;
     a.entry_source[e] = k;
-    a.entry_place[e] = static_cast<Offset>(column - a.super[s]) * a.rows(s);
+    a.entry_place[e] = (column - a.super[s]) * a.rows(s);
     entry_row[e] = row;
   });
   a.relative.resize(a.row.size() - n);
@@ -215,7 +216,8 @@ void fill_places(const Exec& exec, const SymmetricMatrix& matrix, In<Index> plac
     for (Index s = r.begin; s < r.end; ++s) {
       const In<Index> rows = In<Index>(a.row).subspan(a.row_begin[s], a.rows(s));
       for (Index e = a.entry_begin[s]; e < a.entry_begin[s + 1]; ++e) {
-        a.entry_place[e] += std::lower_bound(rows.begin(), rows.end(), entry_row[e]) - rows.begin();
+        a.entry_place[e] +=
+            static_cast<Index>(std::lower_bound(rows.begin(), rows.end(), entry_row[e]) - rows.begin());
       }
       for (const Index c : a.children(s)) {
         const Index* below = a.row.data() + a.row_begin[c] + a.columns(c);
@@ -269,6 +271,7 @@ Result<CholeskyAnalysis> analyse_cholesky(const Exec& exec, const SymmetricMatri
   std::vector<Index> supernode_of(matrix.size());
   for (Index s = 0; s < a.num_supernodes(); ++s) {
     a.value_begin.push_back(a.value_begin.back() + static_cast<Offset>(a.columns(s)) * a.rows(s));
+    if (a.value_begin[s + 1] - a.value_begin[s] > std::numeric_limits<Index>::max()) return no_memory();
     work.push_back(front_flops(a.columns(s), a.rows(s)));
     std::fill(supernode_of.begin() + a.super[s], supernode_of.begin() + a.super[s + 1], s);
   }

@@ -24,8 +24,7 @@ struct CholeskyAnalysis {
   /// Place of each row below among the rows of the parent: those of s begin at row_begin[s] - super[s].
   std::vector<Index> relative;
   /// Entries of A in each panel: the nonzero they come from, and their place in it.
-  std::vector<Index> entry_begin, entry_source;
-  std::vector<Offset> entry_place;
+  std::vector<Index> entry_begin, entry_source, entry_place;
   Subtrees tasks;  ///< by the work of the factorization
 
   Index size() const { return static_cast<Index>(permutation.size()); }

@@ -236,7 +236,7 @@ class Loop {
   Result<Minimum> operator()() {
     if (auto started = iteration_.start(); !started) return fail(started.error());
     if (watch_ == Watch::Injectivity) minimum_.injective = iteration_.is_injective();
-    bool newton_may_help = watch_ == Watch::None && !problem_.constrained &&
+    bool newton_may_help = watch_ == Watch::None && !problem_.constrained && problem_.newton_fits &&
                            problem_.energy.num_vertices() <= kMostNewtonVertices;
     while (true) {
       if (auto recorded = record(); !recorded) return fail(recorded.error());

@@ -41,6 +41,7 @@ struct ArapProblem {
       nullptr;  ///< where flip-free steps must not make the boundary cross itself
   std::vector<std::uint8_t> turns_freely = {};  ///< per component: 1 where nothing says how it is turned
   bool constrained = false;
+  bool newton_fits = true;  ///< memory allows Newton steps
 };
 
 /// When the outer loop ends before the tolerance is met.

@@ -55,32 +55,40 @@ class Dissection {
       : exec_(exec), whole_(whole), order_(order) {}
 
   /// Orders a part of the whole: its vertices take the places [begin, begin + size).
-  void run(Graph graph, std::vector<Index> vertex, Index begin) const {
-    if (graph.size() <= kLeaf) return order_leaf(vertex, begin);
-    Separator s = find_separator(graph);
-    std::array<Graph, 2> side;
+  void run(GraphLevels levels, std::vector<Index> vertex, Index begin) const {
+    const Index size = levels.graph[0].size();
+    if (size <= kLeaf) return order_leaf(vertex, begin);
+    const bool tasks = size > kTaskSize;
+    Separator s = find_separator(levels);
+    std::array<GraphLevels, 2> side;
     std::array<std::vector<Index>, 2> inside;
-    std::vector<Index> local(graph.size());
-    for (std::uint8_t k = 0; k < 2; ++k) {
-      side[k] = part_of(graph, s.side, k, local, inside[k]);
+    const auto take = [&](std::uint8_t k) {
+      side[k] = part_of(levels, s.side, k, inside[k]);
       for (Index& v : inside[k]) v = vertex[v];
-    }
-    const Index split = begin + side[0].size(), last = split + side[1].size();
+    };
+    const auto take_first = [&] { take(0); };
+    const auto take_second = [&] { take(1); };
+    in_parts(tasks, take_first, take_second);
+    const Index split = begin + side[0].graph[0].size(), last = split + side[1].graph[0].size();
     Index at = last;
-    for (Index v = 0; v < graph.size(); ++v) {
+    for (Index v = 0; v < size; ++v) {
       if (s.side[v] == kSeparator) order_[at++] = vertex[v];
     }
     if (last == begin) return;  // nothing is separated, as in a complete graph
-    const bool tasks = graph.size() > kTaskSize;
-    graph = {}, vertex = {}, local = {}, s = {};
+    levels = {}, vertex = {}, s = {};
     const auto first = [&] { run(std::move(side[0]), std::move(inside[0]), begin); };
     const auto second = [&] { run(std::move(side[1]), std::move(inside[1]), split); };
+    in_parts(tasks, first, second);
+  }
+
+ private:
+  template <class First, class Second>
+  void in_parts(bool tasks, First first, Second second) const {
     if (tasks) return exec_.both(first, second);
     first();
     second();
   }
 
- private:
   /// Neighbours outside the leaf are in separators, which come later.
   void order_leaf(const std::vector<Index>& vertex, Index begin) const {
     const auto inner = static_cast<Index>(vertex.size());
@@ -139,7 +147,9 @@ Result<std::vector<Index>> fill_reducing_order(const Exec& exec, const Symmetric
   for (Index v = 0; v < n; ++v) {
     if (dense[v]) order[at++] = v;
   }
-  Dissection(exec, whole, order).run(std::move(start), std::move(vertex), 0);
+  GraphLevels levels;
+  levels.graph.push_back(std::move(start));
+  Dissection(exec, whole, order).run(std::move(levels), std::move(vertex), 0);
   return order;
 } catch (const std::bad_alloc&) {
   return fail(ErrorCode::OutOfMemory, "not enough memory for the ordering of the sparse factor");

@@ -45,25 +45,30 @@ Failure no_memory() {
 
 }  // namespace
 
-Result<GlobalPhase> GlobalPhase::factor(const Exec& exec, const SymmetricMatrix& matrix, In<Index> order) {
+Result<GlobalPhase> GlobalPhase::analyse(const Exec& exec, const SymmetricMatrix& matrix, In<Index> order) {
   auto analysis = analyse_cholesky(exec, matrix, order);
   if (!analysis) return fail(analysis.error());
   try {
     auto parts = std::make_unique<Factor>();
     parts->analysis = std::move(*analysis);
-    parts->value = LargeArray<double>(parts->analysis.factor_nonzeros());
     parts->tree = SupernodeTree(parts->view());
-    GlobalPhase result(std::move(parts));
-    if (auto factored = result.refactor(exec, matrix); !factored) return fail(factored.error());
-    return result;
+    return GlobalPhase(std::move(parts));
   } catch (const std::bad_alloc&) {
     return no_memory();
   }
 }
 
+Result<GlobalPhase> GlobalPhase::factor(const Exec& exec, const SymmetricMatrix& matrix, In<Index> order) {
+  auto result = analyse(exec, matrix, order);
+  if (!result) return result;
+  if (auto factored = result->refactor(exec, matrix); !factored) return fail(factored.error());
+  return result;
+}
+
 Result<void> GlobalPhase::refactor(const Exec& exec, const SymmetricMatrix& matrix) try {
   Factor& f = *factor_;
   f.rounded = {};
+  if (f.value.size() == 0) f.value = LargeArray<double>(f.analysis.factor_nonzeros());
   const Index bad =
       factor_fronts(exec, f.analysis, dense_kernels(best_instruction_set()), matrix.value, f.value.data());
   if (bad == kNone) return {};
@@ -79,12 +84,15 @@ Result<void> GlobalPhase::refactor(const Exec& exec, const SymmetricMatrix& matr
 
 void GlobalPhase::round_to_single(const Exec& exec) {
   Factor& f = *factor_;
+  if (is_rounded()) return;
   f.rounded = LargeArray<float>(f.value.size());
   constexpr Index kPart = 1 << 20;
   exec.for_tasks(static_cast<Index>((f.value.size() + kPart - 1) / kPart), [&](Index part) {
     const Offset begin = static_cast<Offset>(part) * kPart, end = std::min(begin + kPart, f.value.size());
     std::copy(f.value.data() + begin, f.value.data() + end, f.rounded.data() + begin);
+    f.value.discard(begin, end);  // both precisions are never there at once
   });
+  f.value = {};
 }
 
 bool GlobalPhase::is_rounded() const { return factor_->rounded.data() != nullptr; }

@@ -20,6 +20,9 @@ Result<Offset> factor_nonzeros(const SymmetricMatrix& matrix, In<Index> order);
 /// over the elimination tree, with the same bits for any number of threads.
 class GlobalPhase {
  public:
+  /// Symbolic analysis alone, its memory without that of the factor's values: refactor() comes before anything else.
+  /// Fails: OutOfMemory.
+  static Result<GlobalPhase> analyse(const Exec& exec, const SymmetricMatrix& matrix, In<Index> order);
   /// Symbolic analysis and factorization with a given order; rows beyond it are eliminated last.
   /// Fails: FactorizationFailed naming the row of the bad pivot (as Error::ids); OutOfMemory.
   static Result<GlobalPhase> factor(const Exec& exec, const SymmetricMatrix& matrix, In<Index> order);
@@ -27,7 +30,7 @@ class GlobalPhase {
   /// called. Fails: as factor().
   Result<void> refactor(const Exec& exec, const SymmetricMatrix& matrix);
 
-  /// Keeps a copy of the factor in single precision, which solves read from now on: half the memory traffic. What they solve
+  /// Keeps the factor in single precision alone: half the memory, and half the traffic of solves. What they solve
   /// with is a matrix that differs from the one given by 1e-7 of its entries, exactly the same in every solve; all else is
   /// in double. For iterations that need a metric, not a solution. Until the next refactor.
   void round_to_single(const Exec& exec);

@@ -1,10 +1,9 @@
-// The local phase as the engine runs it: one sweep over triangles, one gather over stars.
+// The local phase as the engine runs it: rotations, energy and forces in one pass over the triangles.
 #pragma once
 
 #include <vector>
 
-#include "engine/exec/parallel.hpp"
-#include "kernels/base/offsets.hpp"
+#include "engine/solve/star_blocks.hpp"
 #include "kernels/intrinsic/lengths.hpp"
 
 namespace planish {
@@ -34,10 +33,15 @@ class LocalPhase {
   void evaluate_rotations(In<Vec2> uv, In<Vec2> rotation, Out<Vec2> force);
 
  private:
-  void gather(Out<Vec2> force) const;
+  /// triangles(Range, Out): energy of a block, and the forces of its corners.
+  template <class Triangles>
+  double sweep(Triangles triangles, Out<Vec2> force);
+
   const Exec& exec_;
   ArapEnergy energy_;
-  std::vector<Vec2> corner_force_;
+  StarBlocks blocks_;
+  std::vector<Index> held_;  // vertices that are fixed
+  std::vector<Vec2> kept_;   // forces of corners at shared vertices
 };
 
 }  // namespace planish

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kernels/exact/orient2.hpp"
+#include "kernels/local/star_sums.hpp"
 
 namespace planish {
 

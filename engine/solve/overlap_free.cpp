@@ -38,6 +38,11 @@ class OverlapRemover {
     removal.pairs_before = pairs(minimum_.uv);
     removal.energy_before = minimum_.history.back().energy;
     if (removal.pairs_before == 0) return {};
+    if (!problem_.newton_fits) {
+      return fail(ErrorCode::OutOfMemory,
+                  "Newton steps that remove overlaps need more memory than the limit: raise it, or have overlaps "
+                  "reported alone");
+    }
     for (const auto begin : {&OverlapRemover::begin_straightened, &OverlapRemover::begin_first_map,
                              &OverlapRemover::begin_convex, &OverlapRemover::begin_near_constraints}) {
       if (removal.start != OverlapRemoval::Start::None) break;

@@ -258,10 +258,30 @@ Separator find(const Graph& graph, std::uint64_t seed) {
   return refined(graph, group, found);
 }
 
+/// As find(), from coarser graphs that may be there already.
+Separator find_on(GraphLevels& levels, std::size_t level) {
+  if (levels.graph[level].size() <= kTrialSize) return find(levels.graph[level], 0);
+  if (levels.graph.size() == level + 1) {
+    levels.group.emplace_back();
+    Graph coarse = coarsen(levels.graph[level], 0, levels.group.back());
+    levels.graph.push_back(std::move(coarse));
+  }
+  const Index size = levels.graph[level].size(), coarse_size = levels.graph[level + 1].size();
+  if (coarse_size > size / 10 * 9) return split(levels.graph[level]);
+  Separator found = find_on(levels, level + 1);
+  for (std::uint64_t trial = 1; coarse_size <= kTrialSize && trial < kTrials; ++trial) {
+    Separator other = find(levels.graph[level + 1], trial);
+    if (cut_ratio(other) < cut_ratio(found)) found = std::move(other);
+  }
+  return refined(levels.graph[level], levels.group[level], found);
+}
+
 }  // namespace
 
 void refine_separator(const Graph& graph, Separator& separator) { Refinement(graph, separator).run(); }
 
 Separator find_separator(const Graph& graph) { return find(graph, 0); }
+
+Separator find_separator(GraphLevels& levels) { return find_on(levels, 0); }
 
 }  // namespace planish

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "engine/solve/graph.hpp"
+#include "engine/solve/graph_levels.hpp"
 
 namespace planish {
 
@@ -18,6 +18,8 @@ struct Separator {
 /// refined on the way back. Deterministic.
 /// Cost: O(edges).   Ref: Karypis and Kumar 1998; refinement after Fiduccia and Mattheyses 1982 on vertices.
 Separator find_separator(const Graph& graph);
+/// The same for the finest graph; coarser ones that are missing are added, for its parts.
+Separator find_separator(GraphLevels& levels);
 
 /// Moves vertices between separator and sides while that makes the separator lighter, or heavier in between.
 void refine_separator(const Graph& graph, Separator& separator);

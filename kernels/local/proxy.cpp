@@ -60,19 +60,44 @@ PLANISH_INLINE Lanes square_root(Lanes a) {
   return a;
 }
 
-/// Every `stride`-th value from p on.
-PLANISH_INLINE Lanes strided(const double* p, Index stride) {
-  return Lanes{p[0], p[stride], p[2 * stride], p[3 * stride]};
+PLANISH_INLINE const Lanes& lanes(const double* p) { return *reinterpret_cast<const Lanes*>(p); }
+
+/// First, second and third of four triples that stand one behind the other.
+struct LaneTriple {
+  Lanes first, second, third;
+};
+PLANISH_INLINE LaneTriple triples(const double* p) {
+  const Lanes a = lanes(p), b = lanes(p + 4), c = lanes(p + 8);
+  const Lanes outer = __builtin_shufflevector(a, b, 0, 1, 6, 7),
+              middle = __builtin_shufflevector(a, c, 2, 3, 4, 5),
+              inner = __builtin_shufflevector(b, c, 0, 1, 6, 7);
+  return {__builtin_shufflevector(outer, middle, 0, 5, 2, 7),
+          __builtin_shufflevector(outer, inner, 1, 4, 3, 6),
+          __builtin_shufflevector(middle, inner, 0, 5, 2, 7)};
+}
+
+using Pair __attribute__((vector_size(16), aligned(8), may_alias)) = double;
+
+PLANISH_INLINE Lanes two_points(const Vec2& a, const Vec2& b) {
+  return __builtin_shufflevector(reinterpret_cast<const Pair&>(a), reinterpret_cast<const Pair&>(b), 0, 1, 2,
+                                 3);
 }
 
 PLANISH_INLINE LaneVec2 images(const Vec2* uv, const Index* corner_vertex) {
-  const Vec2 a = uv[corner_vertex[0]], b = uv[corner_vertex[3]], c = uv[corner_vertex[6]],
-             d = uv[corner_vertex[9]];
-  return {Lanes{a.x, b.x, c.x, d.x}, Lanes{a.y, b.y, c.y, d.y}};
+  const Lanes even = two_points(uv[corner_vertex[0]], uv[corner_vertex[6]]),
+              odd = two_points(uv[corner_vertex[3]], uv[corner_vertex[9]]);
+  return {__builtin_shufflevector(even, odd, 0, 4, 2, 6), __builtin_shufflevector(even, odd, 1, 5, 3, 7)};
 }
 
+/// Forces of one corner of four triangles.
 PLANISH_INLINE void store(const LaneVec2& f, Vec2* force) {
-  for (Index k = 0; k < kLanes; ++k) force[3 * k] = {f.x[k], f.y[k]};
+  const Lanes even = __builtin_shufflevector(f.x, f.y, 0, 4, 2, 6),
+              odd = __builtin_shufflevector(f.x, f.y, 1, 5, 3, 7);
+  const auto to = [&](Index k) -> Pair& { return reinterpret_cast<Pair&>(force[3 * k]); };
+  to(0) = __builtin_shufflevector(even, even, 0, 1);
+  to(1) = __builtin_shufflevector(odd, odd, 0, 1);
+  to(2) = __builtin_shufflevector(even, even, 2, 3);
+  to(3) = __builtin_shufflevector(odd, odd, 2, 3);
 }
 
 /// closest_rotation and proxy_forces of four triangles at once; returns their energies.
@@ -80,8 +105,8 @@ PLANISH_INLINE Lanes local_phase_of_four(const Vec2* uv, const Index* corner_ver
                                          const RestFrame* frame, Vec2* force) {
   const LaneVec2 z0 = images(uv, corner_vertex), z1 = images(uv, corner_vertex + 1),
                  z2 = images(uv, corner_vertex + 2);
-  const Lanes w0 = strided(cotangent + 2, 3), w1 = strided(cotangent, 3), w2 = strided(cotangent + 1, 3);
-  const Lanes x1 = strided(&frame->x1, 3), x2 = strided(&frame->x2, 3), y2 = strided(&frame->y2, 3);
+  const auto [w1, w2, w0] = triples(cotangent);  // each edge has the cotangent of the corner opposite
+  const auto [x1, x2, y2] = triples(&frame->x1);
   const Lanes x12 = x2 - x1;
   // Half-edge vectors of the image; those of the frame are (x1, 0), (x12, y2), (-x2, -y2).
   const LaneVec2 e0 = z1 - z0, e1 = z2 - z1, e2 = z0 - z2;
@@ -100,6 +125,25 @@ PLANISH_INLINE Lanes local_phase_of_four(const Vec2* uv, const Index* corner_ver
   return dot(f0, d0) + dot(f1, d1) + dot(f2, d2);
 }
 
+/// Asks for what later triangles read, as far ahead as measured best: the processor foresees neither the points, which are far
+/// from one another, nor enough of the arrays.
+PLANISH_INLINE void prefetch_ahead(Index t, In<Vec2> uv, In<Index> corner_vertex, In<double> cotangent,
+                                   In<RestFrame> frame) {
+  constexpr Index kArraysAhead = 96, kPointsAhead = 32, kLine = 64 / sizeof(double);  // triangles
+  const auto last = static_cast<Index>(frame.size()) - 1;
+  const Index later = std::min(t + kArraysAhead, last), soon = std::min(t + kPointsAhead, last - kLanes + 1);
+  for (const double* p : {&frame[later].x1, &cotangent[3 * later]}) {
+    __builtin_prefetch(p);
+    __builtin_prefetch(p + kLine);
+  }
+  __builtin_prefetch(&corner_vertex[3 * later]);
+  for (Index k = soon; k < soon + kLanes; ++k) {
+    // The first corner is near those of the triangle before.
+    __builtin_prefetch(&uv[corner_vertex[3 * k + 1]]);
+    __builtin_prefetch(&uv[corner_vertex[3 * k + 2]]);
+  }
+}
+
 }  // namespace
 
 PLANISH_CLONES double local_phase(Range r, In<Vec2> uv, In<Index> corner_vertex, In<double> cotangent,
@@ -108,8 +152,9 @@ PLANISH_CLONES double local_phase(Range r, In<Vec2> uv, In<Index> corner_vertex,
   Lanes energies{};
   Index t = r.begin;
   for (; t + kLanes <= r.end; t += kLanes) {
-    energies +=
-        local_phase_of_four(uv.data(), &corner_vertex[3 * t], &cotangent[3 * t], &frame[t], &force[3 * t]);
+    prefetch_ahead(t, uv, corner_vertex, cotangent, frame);
+    energies += local_phase_of_four(uv.data(), &corner_vertex[3 * t], &cotangent[3 * t], &frame[t],
+                                    &force[3 * (t - r.begin)]);
   }
   double energy = (energies[0] + energies[1]) + (energies[2] + energies[3]);
   for (; t < r.end; ++t) {
@@ -118,7 +163,7 @@ PLANISH_CLONES double local_phase(Range r, In<Vec2> uv, In<Index> corner_vertex,
     const double* cot = &cotangent[3 * t];
     const ProxyForces f = proxy_forces(z, cot, frame[t], closest_rotation(z, cot, frame[t]));
     energy += f.energy;
-    for (int i = 0; i < 3; ++i) force[3 * t + i] = f.force[i];
+    for (int i = 0; i < 3; ++i) force[3 * (t - r.begin) + i] = f.force[i];
   }
   return energy;
 }
@@ -129,16 +174,7 @@ void rotation_forces(Range r, In<Vec2> uv, In<Vec2> rotation, In<Index> corner_v
     const std::array<Vec2, 3> z = {uv[corner_vertex[3 * t]], uv[corner_vertex[3 * t + 1]],
                                    uv[corner_vertex[3 * t + 2]]};
     const ProxyForces f = proxy_forces(z, &cotangent[3 * t], frame[t], rotation[t]);
-    for (int i = 0; i < 3; ++i) force[3 * t + i] = f.force[i];
-  }
-}
-
-void gather_forces(Range r, In<Index> star_begin, In<Index> star_corner, In<Vec2> force,
-                   Out<Vec2> vertex_force) {
-  for (Index v = r.begin; v < r.end; ++v) {
-    Vec2 sum{};
-    for (Index k = star_begin[v]; k < star_begin[v + 1]; ++k) sum += force[star_corner[k]];
-    vertex_force[v] = sum;
+    for (int i = 0; i < 3; ++i) force[3 * (t - r.begin) + i] = f.force[i];
   }
 }
 

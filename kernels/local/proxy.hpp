@@ -51,17 +51,13 @@ std::array<std::array<Mat2, 3>, 3> proxy_hessian(const std::array<Vec2, 3>& z, c
                                                  const RestFrame& frame, Convexity convexity);
 
 /// Local phase of triangles r: forces of every corner for its closest rotation; returns the energy of r.
-///   uv [V];  corner_vertex [3 T];  cotangent [3 T];  frame [T];  force [3 T] out, half the energy's
-///   gradient.
+///   uv [V];  corner_vertex [3 T];  cotangent [3 T];  frame [T]
+///   force [3 |r|] out: those of the corners of r alone, half the energy's gradient.
 double local_phase(Range r, In<Vec2> uv, In<Index> corner_vertex, In<double> cotangent, In<RestFrame> frame,
                    Out<Vec2> force);
 
 /// The same against given rotations [T].
 void rotation_forces(Range r, In<Vec2> uv, In<Vec2> rotation, In<Index> corner_vertex, In<double> cotangent,
                      In<RestFrame> frame, Out<Vec2> force);
-
-/// Sum of the corner forces at each vertex of r.   force [3 T];  vertex_force [V] out.
-void gather_forces(Range r, In<Index> star_begin, In<Index> star_corner, In<Vec2> force,
-                   Out<Vec2> vertex_force);
 
 }  // namespace planish

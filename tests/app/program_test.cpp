@@ -38,6 +38,10 @@ TEST_CASE("program: flatten writes mesh, report, picture and flat mesh, and exit
     CHECK(report.at("converged") == true);
     CHECK(report.at("mesh").at("boundary_loops") == 1);
     CHECK(report.at("peak_memory_bytes") > 1'000'000);
+    CHECK(report.at("peak_memory_by_step_bytes").at("read") > 1'000'000);
+    CHECK(report.at("peak_memory_by_step_bytes").at("read") <=
+          report.at("peak_memory_by_step_bytes").at("write"));
+    CHECK(report.at("peak_memory_by_step_bytes").at("write") >= report.at("peak_memory_bytes"));
     CHECK(content_of(scratch.file("p.png")).substr(1, 3) == "PNG");
     CHECK(run("flatten " + scratch.file("out." + extension)).code == 0);  // what we write we read
     CHECK(run("info " + scratch.file("f.obj")).code == 0);
@@ -293,4 +297,22 @@ TEST_CASE("program: what passes through: colours, quality, groups, materials, ea
   for (const char* line :
        {"mtllib car.mtl\n", "g skin\nusemtl red\nf 1/1 2/2 3/3\n", "g rim\nf 1/1 3/3 4/4\n"})
     CHECK_MESSAGE(has(obj, line), obj);
+}
+
+TEST_CASE("program: a memory limit that is too small is refused before anything is solved or written") {
+  const Scratch scratch;
+  REQUIRE(run("sample hood --triangles 2000 -o " + scratch.file("in.ply")).code == 0);
+  const std::string flatten =
+      "flatten " + scratch.file("in.ply") + " -o " + scratch.file("o.ply") + " --memory-limit ";
+  const Ran refused = run(flatten + "1M");
+  CHECK(refused.code == 4);
+  CHECK_MESSAGE(has(refused.err, "the limit is 1 MB"), refused.err);
+  CHECK(scratch.count() == 1);
+  CHECK(run(flatten + "a-lot").code == 2);
+  CHECK(run(flatten + "0").code == 2);
+  CHECK(run(flatten + "2G").code == 0);
+  const Ran planned = run("flatten " + scratch.file("in.ply") + " --dry-run");
+  CHECK_MESSAGE(has(planned.out, "GB where flips have to be removed"), planned.out);
+  CHECK_FALSE(
+      has(run("flatten " + scratch.file("in.ply") + " --dry-run --flips keep").out, "have to be removed"));
 }

@@ -301,3 +301,45 @@ TEST_CASE("flatten: flips are those of the exact predicate on the coordinates re
   }
   CHECK(f.certificate.flipped == flipped);
 }
+
+TEST_CASE(
+    "flatten: with little memory its systems are analysed in turn, with less it is refused, the bits are the "
+    "same") {
+  const Mesh mesh = shapes::wavy_disk(5000);
+  const auto free = plan(mesh.surface(), {});
+  REQUIRE(free);
+  const Offset at_once = free->memory_bytes;
+  const auto planned = plan(mesh.surface(), {}, {.memory_limit = at_once - 1});
+  REQUIRE(planned);
+  const Offset in_turn = planned->memory_bytes;
+  CHECK(in_turn < at_once);
+  const auto limited = flatten(mesh.surface(), {.memory_limit = in_turn});
+  REQUIRE(limited);
+  CHECK(limited->uv == flattened(mesh).uv);
+  for (const Offset limit : {in_turn - 1, Offset{1}}) {
+    for (const auto& error : {flatten(mesh.surface(), {.memory_limit = limit}).error(),
+                              plan(mesh.surface(), {}, {.memory_limit = limit}).error()}) {
+      CHECK(error.code == ErrorCode::OutOfMemory);
+      CHECK(error.what.find("the limit is") != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE(
+    "flatten: flips that Newton steps cannot be afforded for are an error, and kept where they may be") {
+  const Mesh mesh =
+      shapes::height_field(40, [](double x, double y) { return std::sin(9 * x) * std::cos(8 * y); });
+  const auto planned = plan(mesh.surface(), {});
+  REQUIRE(planned);
+  CHECK(planned->newton_bytes > planned->memory_bytes);
+  const FlattenOptions limited{.memory_limit = planned->memory_bytes};
+  const auto refused = flatten(mesh.surface(), limited);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::OutOfMemory);
+  CHECK(refused.error().what.find("Newton steps") != std::string::npos);
+  FlattenOptions keeping = limited;
+  keeping.flips = Flips::Keep;
+  const auto kept = flatten(mesh.surface(), keeping);
+  REQUIRE(kept);
+  CHECK(kept->certificate.flipped_triangles > 0);
+}

@@ -88,6 +88,12 @@ ReportContext context() {
           .peak_memory_bytes = 1LL << 40};
 }
 
+ReportContext context_with_peaks() {
+  ReportContext with_peaks = context();
+  with_peaks.peaks = {{"read", 1000}, {"local_global", 1LL << 40}};
+  return with_peaks;
+}
+
 json report() { return json::parse(report_json(example(), context())); }
 
 std::set<std::string> keys(const json& object) {
@@ -164,6 +170,12 @@ TEST_CASE("report_json: numbers read back bit for bit") {
   CHECK(r["peak_memory_bytes"] == 1LL << 40);
 }
 
+TEST_CASE("report_json: peaks of steps are there where they were taken") {
+  const json r = json::parse(report_json(example(), context_with_peaks()));
+  CHECK(r["peak_memory_by_step_bytes"] == json{{"read", 1000}, {"local_global", 1LL << 40}});
+  CHECK_FALSE(report().contains("peak_memory_by_step_bytes"));
+}
+
 TEST_CASE("report_json: infinite and undefined numbers are null") {
   const json r = report();
   CHECK(r["energy"]["symmetric_dirichlet"].is_null());
@@ -198,12 +210,13 @@ const DeformFacts kDeformed{.reference = Reference::Parameterization,
                             .mean_displacement = 0.125};
 
 TEST_CASE(
-    "report_json: with features, constraints, prices, a deformation and a cut the report has all fields of "
+    "report_json: with features, constraints, prices, peaks, a deformation and a cut the report has all "
+    "fields of "
     "its schema") {
   const Embedding e = embedding();
   const json s = schema("report.schema.json"),
              r = json::parse(
-                 report_json(constrained(), context(),
+                 report_json(constrained(), context_with_peaks(),
                              {.embedding = &e, .cut = &kCut, .price = &kPrice, .deformation = &kDeformed}));
   CHECK(keys(r) == keys(s["properties"]));
   check_keys(s["properties"]["deformation"], r["deformation"]);

@@ -3,6 +3,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
+#include <new>
 #include <numeric>
 
 #include "tests/support/shapes.hpp"
@@ -32,6 +34,34 @@ TEST_CASE("parallel: a sum over blocks has the same bits on 1, 2 and 7 threads")
   };
   CHECK(sum(2) == sum(1));
   CHECK(sum(7) == sum(1));
+}
+
+TEST_CASE("parallel: loops inside loops run all of their tasks, and both sides of a pair") {
+  const Exec exec(3);
+  std::vector<int> seen(20 * 30, 0);
+  std::array<std::vector<int>, 2> side = {std::vector<int>(50), std::vector<int>(50)};
+  const auto fill = [&](int k) {
+    return [&exec, &side, k] { exec.for_tasks(50, [&](Index i) { ++side[k][i]; }); };
+  };
+  exec.for_tasks(20, [&](Index i) { exec.for_tasks(30, [&](Index j) { ++seen[30 * i + j]; }); });
+  exec.both(fill(0), fill(1));
+  CHECK(seen == std::vector<int>(seen.size(), 1));
+  CHECK(side[0] == std::vector<int>(50, 1));
+  CHECK(side[1] == std::vector<int>(50, 1));
+}
+
+TEST_CASE("parallel: what a task throws reaches the caller, and the next loop runs") {
+  const Exec exec(3);
+  const auto failing = [&] {
+    exec.for_tasks(100, [](Index i) {
+      if (i == 57) throw std::bad_alloc();
+    });
+  };
+  CHECK_THROWS_AS(failing(), std::bad_alloc);
+  CHECK_THROWS_AS(exec.both(failing, [] {}), std::bad_alloc);
+  std::vector<int> seen(100, 0);
+  exec.for_tasks(100, [&](Index i) { ++seen[i]; });
+  CHECK(seen == std::vector<int>(100, 1));
 }
 
 TEST_CASE("parallel: sort_by_key is stable and agrees with std::stable_sort over several digits and blocks") {

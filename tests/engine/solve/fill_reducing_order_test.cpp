@@ -141,3 +141,32 @@ TEST_CASE("coarsening: groups are connected, weights and edges add up") {
     }
   }
 }
+
+TEST_CASE(
+    "graph levels: a part keeps its groups, weights add up, and no edge is missing in a coarser graph") {
+  GraphLevels whole;
+  whole.graph.push_back(graph_of(200 * 150, grid_edges(200, 150)));
+  const Separator s = find_separator(whole);
+  CHECK(whole.graph.size() > 1);
+  for (std::uint8_t which = 0; which < 2; ++which) {
+    std::vector<Index> vertex;
+    const GraphLevels part = part_of(whole, s.side, which, vertex);
+    REQUIRE(part.graph.size() > 1);
+    CHECK(part.graph[0].size() == s.weight[which]);
+    for (std::size_t l = 0; l + 1 < part.graph.size(); ++l) {
+      const Graph &fine = part.graph[l], &coarse = part.graph[l + 1];
+      CHECK(std::accumulate(coarse.weight.begin(), coarse.weight.end(), Offset{0}) == s.weight[which]);
+      for (Index v = 0; v < fine.size(); ++v) {
+        const Index g = part.group[l][v];
+        for (const Index u : fine.neighbours(v)) {
+          const In<Index> around = coarse.neighbours(g);
+          CHECK((part.group[l][u] == g ||
+                 std::find(around.begin(), around.end(), part.group[l][u]) != around.end()));
+        }
+      }
+    }
+    for (std::size_t v = 0; v < vertex.size(); ++v)
+      CHECK((v == 0 || whole.group[0][vertex[v]] != whole.group[0][vertex[v - 1]] ||
+             part.group[0][v] == part.group[0][v - 1]));
+  }
+}

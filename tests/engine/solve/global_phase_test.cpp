@@ -71,6 +71,27 @@ TEST_CASE("global phase: 1, 2 and 7 threads give the same bits") {
   CHECK(solve(7) == one);
 }
 
+TEST_CASE(
+    "global phase: analysed first and factored later, and again after it was rounded, the bits are the "
+    "same") {
+  const SymmetricMatrix matrix = held_laplacian(shapes::wavy_disk(3000));
+  const auto order = fill_reducing_order(Exec(2), matrix);
+  const auto at_once = GlobalPhase::factor(Exec(2), matrix, *order);
+  auto later = GlobalPhase::analyse(Exec(2), matrix, *order);
+  REQUIRE(later);
+  CHECK(later->factor_nonzeros() == at_once->factor_nonzeros());
+  const std::vector<Vec2> rhs(matrix.size(), {1, -1});
+  std::vector<Vec2> expected(rhs.size()), x(rhs.size());
+  at_once->solve(Exec(2), rhs, expected);
+  for (int round = 0; round < 2; ++round) {
+    REQUIRE(later->refactor(Exec(2), matrix));
+    later->solve(Exec(2), rhs, x);
+    CHECK(x == expected);
+    later->round_to_single(Exec(2));
+    CHECK(later->is_rounded());
+  }
+}
+
 TEST_CASE("global phase: a matrix that is not positive definite is an error that names the row") {
   const SymmetricMatrix matrix = held_laplacian(shapes::wavy_disk(100));
   std::vector<Index> order(matrix.size());
