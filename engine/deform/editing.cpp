@@ -2,14 +2,11 @@
 
 #include <algorithm>
 
+#include "engine/deform/aligned_map.hpp"
 #include "engine/flatten_steps.hpp"
 
 namespace planish {
 namespace {
-
-Placement then(const Placement& first, const Placement& second) {
-  return {second.p + multiply(second.c, first.p), multiply(second.c, first.c)};
-}
 
 Placement inverse(const Placement& isometry) {
   return {-multiply(conjugate(isometry.c), isometry.p), conjugate(isometry.c)};
@@ -94,23 +91,12 @@ Result<void> Editing::move_pin(Index vertex, Vec2 uv) {
 Result<void> Editing::place() {
   release_ = Release::None;
   anew_.reset();
-  const Index num_components = topology().num_components;
-  std::vector<Placement> motion(num_components);
+  std::vector<Placement> motion(topology().num_components);
   std::vector<Vec2> map = given_.uv;
   if (system_) {
-    const std::vector<Pin>& pins = system_->pins();
-    motion = onto_pins(pins, piece_.component, num_components, map);
-    move_components(motion, piece_.component, map);
-    auto by = system_->orient_at(map);
-    if (!by) return fail(by.error());
-    std::vector<Index> count(num_components, 0);
-    for (const Pin& pin : pins) ++count[piece_.component[pin.vertex]];
-    for (Index k = 0; k < num_components; ++k) {
-      if (count[k] > 1) (*by)[k] = 0;  // how it is turned is for its pins to say
-    }
-    const std::vector<Placement> turned = turns(*by, pins, piece_.component, map);
-    move_components(turned, piece_.component, map);
-    for (Index k = 0; k < num_components; ++k) motion[k] = then(motion[k], turned[k]);
+    auto aligned = align_map(piece_, *system_, map);
+    if (!aligned) return fail(aligned.error());
+    motion = std::move(*aligned);
     auto placed = place_features(*system_, map);
     if (!placed) return fail(placed.error());
     placed_.emplace(std::move(*placed));
