@@ -60,6 +60,13 @@ void add_common(CLI::App& app, CommonArgs& common) {
   app.add_flag("--json-errors", common.json_errors, "errors as JSON objects on stderr");
 }
 
+void add_overlaps(CLI::App& app, Overlapping& value) {
+  const std::map<std::string, Overlapping> overlaps = {{"report", Overlapping::Report},
+                                                       {"remove", Overlapping::Remove}};
+  app.add_option("--overlaps", value, "parts of the map on one another: report or remove [report]")
+      ->transform(CLI::CheckedTransformer(overlaps).description(""));
+}
+
 void add_flatten(CLI::App& app, FlattenArgs& args) {
   app.add_option("mesh", args.mesh, "mesh to flatten: .obj .ply .stl .off, each also with .gz")->required();
   app.add_option("-c,--constraints", args.constraints, "constraint file, JSON: features, constraints, seams");
@@ -83,11 +90,7 @@ void add_flatten(CLI::App& app, FlattenArgs& args) {
                                                   {"symmetric-dirichlet", Energy::SymmetricDirichlet}};
   app.add_option("--energy", args.options.energy, "arap or symmetric-dirichlet [arap]")
       ->transform(CLI::CheckedTransformer(energies).description(""));
-  const std::map<std::string, Overlapping> overlaps = {{"report", Overlapping::Report},
-                                                       {"remove", Overlapping::Remove}};
-  app.add_option("--overlaps", args.options.overlaps,
-                 "parts of the map on one another: report or remove [report]")
-      ->transform(CLI::CheckedTransformer(overlaps).description(""));
+  add_overlaps(app, args.options.overlaps);
   const std::map<std::string, Flips> flips = {{"untangle", Flips::Untangle},
                                               {"weights", Flips::Weights},
                                               {"stiffening", Flips::Stiffening},
@@ -128,6 +131,11 @@ void add_deform(CLI::App& app, DeformArgs& args) {
   app.add_option(
       "--frames", args.frames,
       "folder, made where there is none, for a picture of each step: step_0000.png is the given map");
+  const std::map<std::string, FeaturePoses> poses = {{"held", FeaturePoses::Held},
+                                                     {"free", FeaturePoses::Free}};
+  app.add_option("--poses", args.solve.poses,
+                 "features: held where they lie nearest to the given map, or free to move from there [held]")
+      ->transform(CLI::CheckedTransformer(poses).description(""));
   const std::map<std::string, Reference> references = {{"surface", Reference::Surface},
                                                        {"parameterization", Reference::Parameterization}};
   app.add_option("--reference", args.edit.reference,
@@ -140,6 +148,7 @@ void add_deform(CLI::App& app, DeformArgs& args) {
   const std::map<std::string, Flips> flips = {{"untangle", Flips::Untangle}, {"keep", Flips::Keep}};
   app.add_option("--flips", args.solve.flips, "flipped triangles: untangle or keep [untangle]")
       ->transform(CLI::CheckedTransformer(flips).description(""));
+  add_overlaps(app, args.solve.overlaps);
   app.add_option("--tolerance", args.solve.tolerance, "of the gradient, above 0")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

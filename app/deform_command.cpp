@@ -172,7 +172,8 @@ class DeformCommand {
                  args_.mesh, args_.solve.tolerance, flat.gradient, flat.iterations);
     }
     if (has_flips_) say_flips(args_.mesh, certificate());
-    return has_flips_ || disordered || unmet || !flat.converged ? 6 : 0;
+    const bool overlapping = say_unwanted_overlaps(args_.mesh, flat);
+    return has_flips_ || overlapping || disordered || unmet || !flat.converged ? 6 : 0;
   }
 
   void say_map() const {
@@ -200,8 +201,10 @@ class DeformCommand {
     if (facts.mirrored > 0)
       warnings_.push_back(fmt::format(
           "{} charts of the given map lay with their back up, and were turned over", facts.mirrored));
-    const std::string held =
-        "with the features where they lie nearest to the given map triangles stayed flipped, so ";
+    const std::string held = fmt::format("with the features where they lie nearest to the given map {}, so ",
+                                         args_.solve.overlaps == Overlapping::Remove
+                                             ? "triangles stayed flipped, or parts of it on one another"
+                                             : "triangles stayed flipped");
     if (facts.release == Release::Features)
       warnings_.push_back(held + "the features were moved to where the whole is least distorted");
     if (facts.release == Release::Map)

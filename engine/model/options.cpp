@@ -41,6 +41,14 @@ const char* name(Overlapping overlapping) {
   return "";
 }
 
+const char* name(FeaturePoses poses) {
+  switch (poses) {
+    case FeaturePoses::Held: return "held";
+    case FeaturePoses::Free: return "free";
+  }
+  return "";
+}
+
 const char* name(Reference reference) {
   switch (reference) {
     case Reference::Surface: return "surface";
