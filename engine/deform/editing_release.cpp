@@ -62,6 +62,7 @@ Result<Minimum> Editing::release(const SolveOptions& options, const Monitor& mon
   const std::vector<Vec2> rotation = closest_rotations();
   ArapProblem arap = problem(*global, system_->nodes(), *dof, rotation);
   arap.first = still.get();
+  arap.untangles_first_map = false;
   arap.turns_freely = turning_components(*system_, piece_.component);
   const FlattenOptions chosen = flatten_options(options);
   auto minimum = lower(arap, chosen, monitor, mending(), released_starts(arap, chosen, monitor));

@@ -15,6 +15,9 @@ namespace {
 constexpr double kWayTolerance = 1e-3;
 constexpr int kWayIterations = 20;
 
+/// With features held untangling succeeds within some ten steps, or, where they leave no room between them, not at all.
+constexpr int kHeldUntanglingSteps = 30;
+
 }  // namespace
 
 FlattenOptions Editing::flatten_options(const SolveOptions& options) const {
@@ -110,6 +113,10 @@ Result<Minimum> Editing::minimise(const FlattenOptions& options, const Monitor& 
   for (const auto& [v, z] : nodes_.place) near[v] = z;
   ArapProblem arap = problem(*global_, nodes_, dof, rotation);
   arap.near = near;
+  if (has_features()) {
+    arap.most_untangling_steps = kHeldUntanglingSteps;
+    arap.untangles_first_map = false;
+  }
   return lower(arap, options, monitor, mending, held_starts(arap, options, monitor));
 }
 

@@ -37,6 +37,9 @@ struct ArapProblem {
   Index num_components = 1;
   /// A map without flips [V], where there is one.
   std::function<Result<std::vector<Vec2>>()> last_resort = {};
+  int most_untangling_steps = 100;  ///< of the whole, from one map
+  bool untangles_first_map =
+      true;  ///< where the last map cannot be untangled; false: another problem is tried then
   const BoundaryBarrier* barrier =
       nullptr;  ///< where flip-free steps must not make the boundary cross itself
   std::vector<std::uint8_t> turns_freely = {};  ///< per component: 1 where nothing says how it is turned
