@@ -60,6 +60,7 @@ Result<void> Editing::constrain(const Constraints& constraints, const Monitor& m
 Result<void> Editing::compile(const Constraints& constraints, const Monitor& monitor) {
   system_.reset();
   placed_.reset();
+  responses_.forget();
   set_ = constraints.set == nullptr ? ConstraintSet{} : *constraints.set;
   features_ = features_in_order(mesh(), constraints.features);
   vertex_origin_.assign(constraints.vertex_origin.begin(), constraints.vertex_origin.end());
@@ -114,6 +115,7 @@ void Editing::align(std::vector<Placement> motion) {
   for (std::size_t k = 0; k < motion.size(); ++k) {
     const bool same = motion[k].c == motion_[k].c && motion[k].p == motion_[k].p;
     change.push_back(same ? Placement{} : then(inverse(motion_[k]), motion[k]));
+    if (!same) responses_.forget();
   }
   move_components(change, piece_.component, uv_);
   motion_ = std::move(motion);
@@ -149,6 +151,7 @@ Result<void> Editing::factor() {
   if (!global) return fail(global.error());
   global_.emplace(std::move(*global));
   factored_for_ = nodes_.fixed;
+  responses_.forget();
   return {};
 }
 

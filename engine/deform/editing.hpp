@@ -6,6 +6,7 @@
 
 #include "engine/deform/given_map.hpp"
 #include "engine/deform/placed_features.hpp"
+#include "engine/deform/responses.hpp"
 #include "engine/edit.hpp"
 #include "engine/solve/overlap_free.hpp"
 
@@ -28,7 +29,7 @@ enum class Mending {
 class Editing {
  public:
   explicit Editing(const EditOptions& options)
-      : options_(options), exec_(options.threads) {}
+      : options_(options), exec_(options.threads), responses_(exec_) {}
 
   Result<void> begin(const Surface& surface, In<Vec2> uv, const Monitor& monitor);
   Result<void> constrain(const Constraints& constraints, const Monitor& monitor);
@@ -65,9 +66,11 @@ class Editing {
 
   Result<void> go_on(const SolveOptions& options, const Monitor& monitor, const StepSink& sink);
   Result<Minimum> follow(const SolveOptions& options, const Monitor& monitor, const StepSink& sink);
+  Result<Minimum> follow_held(const SolveOptions& options, const Monitor& monitor);
   Result<Minimum> last_step(const SolveOptions& options, const Monitor& monitor);
   Result<Minimum> step_on_the_way(const SolveOptions& options, const Monitor& monitor, bool mending);
-  Result<Minimum> minimise(const FlattenOptions& options, const Monitor& monitor, Mending mending);
+  Result<Minimum> minimise(const FlattenOptions& options, const Monitor& monitor, Mending mending,
+                           bool begins_near = false);
   Result<Minimum> lower(const ArapProblem& arap, const FlattenOptions& options, const Monitor& monitor,
                         Mending mending, const OverlapFreeStarts& starts);
   /// How the map is looked at by steps that are told everything.
@@ -130,6 +133,7 @@ class Editing {
 
   std::vector<Vec2> uv_;  // [V] where the map is
   bool settled_ = false;  // at a minimum without flips, features held
+  Responses responses_;   // of the map to what is held
   SolveOptions last_;     // of the last solve, and what came of it
   Flattening solved_;
   Release release_ = Release::None;

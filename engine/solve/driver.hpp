@@ -32,6 +32,7 @@ struct ArapProblem {
   In<Vec2> rotation;        ///< [T] first rotations
   /// [first->size()] unknowns near the first map, for a rounded factor to reach it in one solve; empty: none are known.
   In<Vec2> near = {};
+  bool begins_near = false;    ///< at `near` itself, in dof's unknowns, without the first global step
   In<Index> order;             ///< fill-reducing order of the vertices
   In<Index> vertex_component;  ///< [V]
   Index num_components = 1;
