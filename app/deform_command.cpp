@@ -103,6 +103,8 @@ class DeformCommand {
       }
       if (cut_) number_before_cut(*cut_, parted_, deformation_.flattening);
       if (args_.output.empty()) return {};
+      // The given map is not lost but deformed; where a file can hold both, both are written.
+      if (format_of(args_.output) == "obj") featured_.mesh.uv_sets.erase(featured_.mesh.uv_sets.begin());
       return write_flattened(exec_, args_.output, featured_, cut_ ? &*cut_ : nullptr,
                              deformation_.flattening.uv, warnings_);
     });
