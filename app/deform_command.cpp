@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -190,7 +191,21 @@ class DeformCommand {
         c.overwound_vertices, c.overlapping_pairs);
     fmt::print("largest displacement {:.6g}, mean {:.6g}\n", facts.largest_displacement,
                facts.mean_displacement);
+    say_way();
     if (cut_) fmt::print("the map is torn along {} edges, {} charts\n", cut_->edges, cut_->charts);
+  }
+
+  /// Where steps on the way have flips: the given map had some, or features left no other way.
+  void say_way() const {
+    std::vector<std::string> faulty;
+    for (const StepFacts& step : deformation_.facts.way) {
+      const bool between = step.step > 0 && step.step < args_.solve.steps;
+      if (between && step.flipped + step.overwound > 0)
+        faulty.push_back(fmt::format("{} ({})", step.step, step.flipped + step.overwound));
+    }
+    if (!faulty.empty())
+      fmt::print("steps on the way with flipped triangles and overwound vertices: {}\n",
+                 fmt::join(faulty, ", "));
   }
 
   /// What was done to the map or its features beyond what was asked.

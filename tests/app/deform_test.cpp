@@ -278,6 +278,23 @@ TEST_CASE("deform: the report has the map after each step, from the given one to
   CHECK(deform(scratch, mapped_dome(as_seen), kEvery).report.at("deformation").at("way").empty());
 }
 
+TEST_CASE("deform: steps that are left with flips are named") {
+  // The middle is pulled past its neighbours, which corners hold back.
+  const Scratch scratch;
+  write(scratch.file("in.obj"), mapped_dome(as_seen));
+  write(scratch.file("c.json"), file_of(kFeatures,
+                                        R"({"type": "pin", "vertices": [0, 6, 42, 48, 24, 25, 26],
+                    "uv": [[0, 0], [6, 0], [0, 6], [6, 6], [5.5, 3], [4, 3], [5, 3]]})",
+                                        ""));
+  const Ran ran = run("deform " + scratch.file("in.obj") + " -c " + scratch.file("c.json") + " -o " +
+                      scratch.file("o.obj") + " --steps 4 --report " + scratch.file("r.json"));
+  CHECK(ran.code == 6);
+  CHECK_MESSAGE(has(ran.out, "steps on the way with flipped triangles and overwound vertices: "), ran.out);
+  const json way = json::parse(content_of(scratch.file("r.json"))).at("deformation").at("way");
+  CHECK(way[0].at("flipped_triangles") == 0);
+  CHECK(way[3].at("flipped_triangles") > 0);
+}
+
 TEST_CASE("deform: features whose poses are free end where the whole is less distorted than with them held") {
   const Scratch scratch;
   const std::string constraints =
