@@ -22,8 +22,8 @@ struct Faults {
 /// What is done about flips, and when they are looked for.
 enum class Mending {
   None,     ///< nothing
-  AtEnd,    ///< where few are expected: watching every step costs a third of it
-  Watched,  ///< at every step
+  AtEnd,    ///< where few are expected, or the start is one to get away from
+  Watched,  ///< at every step, which costs a third of it
 };
 
 class Editing {
@@ -79,7 +79,7 @@ class Editing {
   FlattenOptions flatten_options(const SolveOptions& options) const;
 
   Result<Minimum> let_go(Minimum best, const SolveOptions& options, const Monitor& monitor);
-  Result<Minimum> release(const SolveOptions& options, const Monitor& monitor);
+  Result<Minimum> release(const SolveOptions& options, const Monitor& monitor, Mending mending);
   Result<Minimum> start_anew(const SolveOptions& options, const Monitor& monitor);
   Result<std::unique_ptr<ConstraintSystem>> compiled_system(const Monitor& monitor) const;
   Faults faults(In<Vec2> uv) const;

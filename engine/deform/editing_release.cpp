@@ -36,7 +36,7 @@ Result<Minimum> Editing::let_go(Minimum best, const SolveOptions& options, const
   for (const Release next : {Release::Features, Release::Map}) {
     const bool features = next == Release::Features;
     if (features && options.poses == FeaturePoses::Free) continue;
-    auto minimum = features ? release(options, monitor) : start_anew(options, monitor);
+    auto minimum = features ? release(options, monitor, mending()) : start_anew(options, monitor);
     if (!minimum && !features && minimum.error().code == ErrorCode::ConstraintsConflict) return best;
     if (!minimum) return minimum;
     const Faults left = faults(minimum->uv);
@@ -51,7 +51,7 @@ Result<Minimum> Editing::let_go(Minimum best, const SolveOptions& options, const
 }
 
 /// Features as unknowns, from where they were placed and the rotations of the map.
-Result<Minimum> Editing::release(const SolveOptions& options, const Monitor& monitor) {
+Result<Minimum> Editing::release(const SolveOptions& options, const Monitor& monitor, Mending mending) {
   auto poses = system_->poses_at(aligned_), same = system_->poses_at(aligned_);
   if (!poses || !same) return fail(poses ? same.error() : poses.error());
   const auto dof = system_->dof_map(std::move(*poses), false),
@@ -65,7 +65,7 @@ Result<Minimum> Editing::release(const SolveOptions& options, const Monitor& mon
   arap.untangles_first_map = false;
   arap.turns_freely = turning_components(*system_, piece_.component);
   const FlattenOptions chosen = flatten_options(options);
-  auto minimum = lower(arap, chosen, monitor, mending(), released_starts(arap, chosen, monitor));
+  auto minimum = lower(arap, chosen, monitor, mending, released_starts(arap, chosen, monitor));
   if (!minimum) return minimum;
   if (auto scales = system_->check_scales(final_poses(*minimum, *dof)); !scales) return fail(scales.error());
   move_back(*system_, minimum->uv);

@@ -96,7 +96,8 @@ Result<Minimum> Editing::follow(const SolveOptions& options, const Monitor& moni
 }
 
 Result<Minimum> Editing::last_step(const SolveOptions& options, const Monitor& monitor) {
-  if (options.poses == FeaturePoses::Free && has_features()) return release(options, monitor);
+  if (options.poses == FeaturePoses::Free && has_features())
+    return release(options, monitor, mending() == Mending::None ? Mending::None : Mending::AtEnd);
   if (settled_ && options.flips == Flips::Untangle) return follow_held(options, monitor);
   return minimise(flatten_options(options), monitor, mending());
 }
@@ -155,10 +156,7 @@ Result<Minimum> Editing::lower(const ArapProblem& arap, const FlattenOptions& op
   auto done = iterate(mending == Mending::Watched ? Watch::Injectivity : Watch::None);
   if (mending == Mending::None || !done)
     return done ? Result<Minimum>(std::move(minimum)) : fail(done.error());
-  if (mending == Mending::AtEnd) {
-    minimum.injective = is_injective(arap, minimum.uv);
-    if (!minimum.injective) done = iterate(Watch::Injectivity);
-  }
+  if (mending == Mending::AtEnd) minimum.injective = is_injective(arap, minimum.uv);
   if (done && !(mending == Mending::AtEnd && minimum.injective))
     done =
         timed(Phase::Untangle, monitor, [&] { return remove_flips(exec_, arap, options, monitor, minimum); });
