@@ -9,7 +9,7 @@ namespace planish {
 /// What was done with constrained elements where triangles stay flipped, or overlaps that are to be removed stay, as long as
 /// they are held.
 enum class Release {
-  None,      ///< nothing: they lie where they lie nearest to the given map, unless their poses were free anyway
+  None,  ///< nothing: they lie where they lie nearest to the given map, unless their poses were free anyway
   Features,  ///< they were moved to where the whole is least distorted
   Map,       ///< the whole was flattened anew, and laid onto the given map
 };
