@@ -156,7 +156,10 @@ Result<Minimum> Editing::lower(const ArapProblem& arap, const FlattenOptions& op
   auto done = iterate(mending == Mending::Watched ? Watch::Injectivity : Watch::None);
   if (mending == Mending::None || !done)
     return done ? Result<Minimum>(std::move(minimum)) : fail(done.error());
-  if (mending == Mending::AtEnd) minimum.injective = is_injective(arap, minimum.uv);
+  if (mending == Mending::AtEnd) {
+    minimum.injective = is_injective(arap, minimum.uv);
+    if (!minimum.injective) done = iterate(Watch::Injectivity);
+  }
   if (done && !(mending == Mending::AtEnd && minimum.injective))
     done =
         timed(Phase::Untangle, monitor, [&] { return remove_flips(exec_, arap, options, monitor, minimum); });
