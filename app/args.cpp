@@ -92,6 +92,15 @@ void add_compare(CLI::App& app, CompareArgs& args) {
   add_cut(app, args.cut);
 }
 
+/// unsaid: what it is where nothing is said.
+template <class Value>
+void add_overlaps(CLI::App& app, Value& value, const std::string& unsaid) {
+  const std::map<std::string, Overlapping> overlaps = {{"report", Overlapping::Report},
+                                                       {"remove", Overlapping::Remove}};
+  app.add_option("--overlaps", value, "parts of the map on one another: report or remove [" + unsaid + "]")
+      ->transform(CLI::CheckedTransformer(overlaps).description(""));
+}
+
 void add_flatten(CLI::App& app, FlattenArgs& args) {
   app.add_option("mesh", args.mesh, "mesh to flatten: .obj .ply .stl .off, each also with .gz")->required();
   app.add_option("-c,--constraints", args.constraints, "constraint file, JSON: features, constraints, seams");
@@ -114,11 +123,7 @@ void add_flatten(CLI::App& app, FlattenArgs& args) {
                                                   {"symmetric-dirichlet", Energy::SymmetricDirichlet}};
   app.add_option("--energy", args.options.energy, "arap or symmetric-dirichlet [arap]")
       ->transform(CLI::CheckedTransformer(energies).description(""));
-  const std::map<std::string, Overlapping> overlaps = {{"report", Overlapping::Report},
-                                                       {"remove", Overlapping::Remove}};
-  app.add_option("--overlaps", args.options.overlaps,
-                 "parts of the map on one another: report or remove [remove where flips are untangled]")
-      ->transform(CLI::CheckedTransformer(overlaps).description(""));
+  add_overlaps(app, args.options.overlaps, "remove where flips are untangled");
   const std::map<std::string, Flips> flips = {{"untangle", Flips::Untangle},
                                               {"weights", Flips::Weights},
                                               {"stiffening", Flips::Stiffening},
@@ -164,6 +169,11 @@ void add_deform(CLI::App& app, DeformArgs& args) {
   app.add_option(
       "--frames", args.frames,
       "folder, made where there is none, for a picture of each step: step_0000.png is the given map");
+  const std::map<std::string, FeaturePoses> poses = {{"held", FeaturePoses::Held},
+                                                     {"free", FeaturePoses::Free}};
+  app.add_option("--poses", args.solve.poses,
+                 "features: held where they lie nearest to the given map, or free to move from there [held]")
+      ->transform(CLI::CheckedTransformer(poses).description(""));
   const std::map<std::string, Reference> references = {{"surface", Reference::Surface},
                                                        {"parameterization", Reference::Parameterization}};
   app.add_option("--reference", args.edit.reference,
@@ -176,6 +186,7 @@ void add_deform(CLI::App& app, DeformArgs& args) {
   const std::map<std::string, Flips> flips = {{"untangle", Flips::Untangle}, {"keep", Flips::Keep}};
   app.add_option("--flips", args.solve.flips, "flipped triangles: untangle or keep [untangle]")
       ->transform(CLI::CheckedTransformer(flips).description(""));
+  add_overlaps(app, args.solve.overlaps, "report");
   app.add_option("--tolerance", args.solve.tolerance, "of the gradient, above 0")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

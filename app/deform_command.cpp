@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <optional>
@@ -93,6 +94,8 @@ class DeformCommand {
       }
       if (cut_) number_before_cut(*cut_, parted_, deformation_.flattening);
       if (args_.output.empty()) return {};
+      // The given map is not lost but deformed; where a file can hold both, both are written.
+      if (format_of(args_.output) == "obj") featured_.mesh.uv_sets.erase(featured_.mesh.uv_sets.begin());
       return write_flattened(exec_, args_.output, featured_, cut_ ? &*cut_ : nullptr,
                              deformation_.flattening.uv, warnings_);
     });
@@ -163,7 +166,8 @@ class DeformCommand {
                  args_.mesh, args_.solve.tolerance, flat.gradient, flat.iterations);
     }
     if (has_flips_) say_flips(args_.mesh, certificate());
-    return has_flips_ || disordered || unmet || !flat.converged ? 6 : 0;
+    const bool overlapping = say_unwanted_overlaps(args_.mesh, flat);
+    return has_flips_ || overlapping || disordered || unmet || !flat.converged ? 6 : 0;
   }
 
   void say_map() const {
@@ -178,7 +182,21 @@ class DeformCommand {
         c.overwound_vertices, c.overlapping_pairs);
     fmt::print("largest displacement {:.6g}, mean {:.6g}\n", facts.largest_displacement,
                facts.mean_displacement);
+    say_way();
     if (cut_) fmt::print("the map is torn along {} edges, {} charts\n", cut_->edges, cut_->charts);
+  }
+
+  /// Where steps on the way have flips: the given map had some, or features left no other way.
+  void say_way() const {
+    std::vector<std::string> faulty;
+    for (const StepFacts& step : deformation_.facts.way) {
+      const bool between = step.step > 0 && step.step < args_.solve.steps;
+      if (between && step.flipped + step.overwound > 0)
+        faulty.push_back(fmt::format("{} ({})", step.step, step.flipped + step.overwound));
+    }
+    if (!faulty.empty())
+      fmt::print("steps on the way with flipped triangles and overwound vertices: {}\n",
+                 fmt::join(faulty, ", "));
   }
 
   /// What was done to the map or its features beyond what was asked.
@@ -191,8 +209,10 @@ class DeformCommand {
     if (facts.mirrored > 0)
       warnings_.push_back(fmt::format(
           "{} charts of the given map lay with their back up, and were turned over", facts.mirrored));
-    const std::string held =
-        "with the features where they lie nearest to the given map triangles stayed flipped, so ";
+    const std::string held = fmt::format("with the features where they lie nearest to the given map {}, so ",
+                                         args_.solve.overlaps == Overlapping::Remove
+                                             ? "triangles stayed flipped, or parts of it on one another"
+                                             : "triangles stayed flipped");
     if (facts.release == Release::Features)
       warnings_.push_back(held + "the features were moved to where the whole is least distorted");
     if (facts.release == Release::Map)

@@ -113,4 +113,21 @@ void say_flips(const std::string& mesh, const Certificate& c) {
              c.flipped_triangles, first_few(c.flipped), c.overwound_vertices, first_few(c.overwound));
 }
 
+bool say_unwanted_overlaps(const std::string& mesh, const Flattening& flattening) {
+  const Certificate& c = flattening.certificate;
+  if (flattening.overlaps.method != Overlapping::Remove || c.overlapping_pairs == 0) return false;
+  const bool has_flips = c.flipped_triangles > 0 || c.overwound_vertices > 0;
+  const auto [first, second] = c.overlapping.front();
+  fmt::print(
+      stderr,
+      "planish: {}: {} pairs of triangles lie on one another in the map ({}-{}{}), {:.2g} of its area; {}\n",
+      mesh, c.overlapping_pairs, first, second, c.overlapping_pairs > 1 ? ", ..." : "",
+      c.overlap_area_fraction,
+      has_flips ? "they are removed from maps without flips only"
+      : flattening.overlaps.start == OverlapRemoval::Start::None
+          ? "no map without any was found to begin at: loosen constraints, or cut the mesh into parts"
+          : "components that pins hold lie on one another: move their pins");
+  return true;
+}
+
 }  // namespace planish

@@ -30,5 +30,7 @@ bool say_unmet(const std::string& mesh, const ConstraintFacts& constraints);
 bool say_disorder(const std::string& mesh, const ConstraintFacts& constraints);
 /// How many triangles and vertices are wrong, and the first of them.
 void say_flips(const std::string& mesh, const Certificate& certificate);
+/// Overlaps that were to be removed and are left; whether there are any.
+bool say_unwanted_overlaps(const std::string& mesh, const Flattening& flattening);
 
 }  // namespace planish

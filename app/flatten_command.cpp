@@ -195,28 +195,14 @@ class FlattenCommand {
                unmet = say_unmet(args_.mesh, flattening_.constraints);
     if (!flattening_.converged) say_not_converged();
     if (has_flips()) say_flips();
-    if (has_unwanted_overlaps()) say_overlaps();
-    return has_flips() || has_unwanted_overlaps() || disordered || unmet || !flattening_.converged ? 6 : 0;
+    const bool overlaps = say_unwanted_overlaps(args_.mesh, flattening_);
+    if (overlaps && !has_flips()) say_blame();
+    return has_flips() || overlaps || disordered || unmet || !flattening_.converged ? 6 : 0;
   }
 
   bool has_unwanted_overlaps() const {
-    return overlapping(args_.options) == Overlapping::Remove && flattening_.certificate.overlapping_pairs > 0;
-  }
-
-  void say_overlaps() const {
-    const OverlapRemoval& removal = flattening_.overlaps;
-    const Certificate& c = flattening_.certificate;
-    fmt::print(
-        stderr,
-        "planish: {}: {} pairs of triangles lie on one another in the map ({}-{}{}), {:.2g} of its area; "
-        "{}\n",
-        args_.mesh, c.overlapping_pairs, c.overlapping.front()[0], c.overlapping.front()[1],
-        c.overlapping_pairs > 1 ? ", ..." : "", c.overlap_area_fraction,
-        has_flips() ? "they are removed from maps without flips only"
-        : removal.start == OverlapRemoval::Start::None
-            ? "no map without any was found to begin at: loosen constraints, or cut the mesh into parts"
-            : "components that pins hold lie on one another: move their pins");
-    if (!has_flips()) say_blame();
+    return flattening_.overlaps.method == Overlapping::Remove &&
+           flattening_.certificate.overlapping_pairs > 0;
   }
 
   void say_flips() const {

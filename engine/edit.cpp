@@ -26,6 +26,9 @@ Result<void> check(const SolveOptions& options) {
     return fail(
         ErrorCode::BadUsage,
         "symmetric-dirichlet is infinite where triangles are flipped: it needs flips to be untangled");
+  if (options.overlaps == Overlapping::Remove && options.flips != Flips::Untangle)
+    return fail(ErrorCode::BadUsage,
+                "overlaps are removed from maps without flips: that needs flips to be untangled");
   return {};
 }
 

@@ -1,26 +1,10 @@
 #include "engine/near_constraints.hpp"
 
-#include "engine/deform/given_map.hpp"
+#include "engine/deform/aligned_map.hpp"
 #include "engine/deform/placed_features.hpp"
 
 namespace planish {
 namespace {
-
-/// Components move as their pins and directions ask.
-Result<void> align(const Workpiece& piece, ConstraintSystem& system, Out<Vec2> uv) {
-  const Index num_components = piece.topology().num_components;
-  const std::vector<Pin>& pins = system.pins();
-  move_components(onto_pins(pins, piece.component, num_components, uv), piece.component, uv);
-  auto by = system.orient_at(uv);
-  if (!by) return fail(by.error());
-  std::vector<Index> count(num_components, 0);
-  for (const Pin& pin : pins) ++count[piece.component[pin.vertex]];
-  for (Index k = 0; k < num_components; ++k) {
-    if (count[k] > 1) (*by)[k] = 0;  // how it is turned is for its pins to say
-  }
-  move_components(turns(*by, pins, piece.component, uv), piece.component, uv);
-  return {};
-}
 
 /// Where the map has what the DOF map holds at 0, per component: an assembly's origin, or a vertex.
 std::vector<Vec2> held_places(const Workpiece& piece, const ConstraintSystem& system,
@@ -44,7 +28,7 @@ std::vector<Vec2> held_places(const Workpiece& piece, const ConstraintSystem& sy
 
 Result<NearConstraints> near_constraints(const Workpiece& piece, ConstraintSystem& system,
                                          std::vector<Vec2> uv) {
-  if (auto aligned = align(piece, system, uv); !aligned) return fail(aligned.error());
+  if (auto aligned = align_map(piece, system, uv); !aligned) return fail(aligned.error());
   auto placed = place_features(system, uv);
   if (!placed) return fail(placed.error());
   if (auto scales = system.check_scales(*placed->poses); !scales) return fail(scales.error());

@@ -199,15 +199,23 @@ void add_constraints(Json& report, const ConstraintFacts& facts) {
 }
 
 void add_deformation(Json& report, const DeformFacts& facts) {
-  report["deformation"] = {{"reference", name(facts.reference)},
-                           {"steps", facts.steps},
-                           {"map_scale", number(facts.map_scale)},
-                           {"mirrored", facts.mirrored},
-                           {"release", name(facts.release)},
-                           {"given_arap", number(facts.given_arap)},
-                           {"given_flipped", facts.given_flipped},
-                           {"largest_displacement", number(facts.largest_displacement)},
-                           {"mean_displacement", number(facts.mean_displacement)}};
+  Json& deformation = report["deformation"];
+  deformation = {{"reference", name(facts.reference)},
+                 {"poses", name(facts.poses)},
+                 {"steps", facts.steps},
+                 {"map_scale", number(facts.map_scale)},
+                 {"mirrored", facts.mirrored},
+                 {"release", name(facts.release)},
+                 {"given_arap", number(facts.given_arap)},
+                 {"given_flipped", facts.given_flipped},
+                 {"largest_displacement", number(facts.largest_displacement)},
+                 {"mean_displacement", number(facts.mean_displacement)}};
+  Json& way = deformation["way"] = Json::array();
+  for (const StepFacts& step : facts.way)
+    way.push_back({{"step", step.step},
+                   {"arap", number(step.arap)},
+                   {"flipped_triangles", step.flipped},
+                   {"overwound_vertices", step.overwound}});
 }
 
 void add_price(Json& report, const Price& price) {

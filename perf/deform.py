@@ -2,11 +2,11 @@
 """deform.py PROGRAM FOLDER...: deforming free maps to the constraint sets of folders, beside flattening with them.
 
 Of each NAME.SET.constraints.json the mesh that NAME.features.json names is flattened without constraints (one without
-boundary is opened with --cut auto), the result deformed, and the mesh flattened with the constraints. Columns: exit codes,
-flipped triangles and overwound vertices, energies, largest displacement of a vertex of the input from the free map (of
-flatten: after the best isometry; "-" where charts are several) over the length of the map's box, worst residual of deform
-(degrees for relations), what was released, seconds. The
-results are checked by verify, which exits with 6 for overlaps, too.
+boundary is opened with --cut auto), the result deformed with its features held, and again with --poses free --overlaps
+remove, and the mesh flattened with the constraints. Columns: exit codes, flipped triangles and overwound vertices, energies,
+largest displacement of a vertex of the input from the free map (after the best isometry; "-" where charts are several)
+over the length of the map's box, worst residual of both deformations (degrees for relations), what was released, seconds,
+overlapping pairs. The deformed maps are checked by verify, which exits with 6 for overlaps, too.
 """
 import argparse
 import json
@@ -63,35 +63,44 @@ def figure(value, form):
     return "-" if value is None else format(value, form)
 
 
+def together(values, form=None):
+    return " / ".join("-" if v is None else str(v) if form is None else format(v, form) for v in values)
+
+
 def row(program, name, mesh, constraints, folder):
-    free, deformed, flat = (str(folder / f"{n}.obj") for n in ("free", "deformed", "flat"))
-    reports = {n: folder / f"{n}.json" for n in ("deform", "flatten")}
-    for path in reports.values():
-        path.unlink(missing_ok=True)
-    code, _ = run(program, "flatten", mesh, "-o", free)
+    given_map = str(folder / "given.obj")
+    code, _ = run(program, "flatten", mesh, "-o", given_map)
     cut = []
     if code == 4:
         cut = ["--cut", "auto"]
-        code, _ = run(program, "flatten", mesh, "-o", free, *cut)
+        code, _ = run(program, "flatten", mesh, "-o", given_map, *cut)
     if code not in (0, 6):
         return [name, f"free map: exit {code}"]
-    code_d, seconds_d = run(program, "deform", free, "-c", constraints, "-o", deformed, "--report", reports["deform"])
-    code_f, seconds_f = run(program, "flatten", mesh, "-c", constraints, "-o", flat, "--report", reports["flatten"], *cut)
-    d, f = (json.loads(p.read_text()) if p.exists() else None for p in reports.values())
-    if d is None:
-        return [name, f"{code_d} / {code_f}"]
-    code_v, _ = run(program, "verify", deformed, "-c", constraints, "--report", reports["deform"])
-    count = count_vertices(free)
-    map_free = read_uv(free, count)
-    moved = [largest_displacement(map_free, read_uv(path, count)) for path in (deformed, flat)]
-    residual = max((c["residual"] for c in d["constraints"]), default=0)
-    return [name, f"{code_d} / {code_f}", f"{d['flipped_triangles']}, {d['overwound_vertices']} / "
-            + (f"{f['flipped_triangles']}, {f['overwound_vertices']}" if f else "-"),
-            figure(d["deformation"]["given_arap"], ".3e"),
-            figure(d["energy"]["arap"], ".3e") + " / " + figure(f and f["energy"]["arap"], ".3e"),
-            figure(moved[0], ".2%") + " / " + figure(moved[1], ".2%"), f"{residual:.0e}",
-            d["deformation"]["release"], f"{seconds_d:.1f} / {seconds_f:.1f}",
-            f"{d['overlapping_pairs']} / {f['overlapping_pairs'] if f else '-'}", "yes" if code_v == 0 else f"exit {code_v}"]
+    count = count_vertices(given_map)
+    map_free = read_uv(given_map, count)
+    runs = {"held": ["deform", given_map], "free": ["deform", given_map, "--poses", "free", "--overlaps", "remove"],
+            "flat": ["flatten", mesh, *cut]}
+    codes, seconds, reports, moved, verified = [], [], [], [], []
+    for kind, command in runs.items():
+        output, report = (str(folder / f"{kind}.{ext}") for ext in ("obj", "json"))
+        pathlib.Path(report).unlink(missing_ok=True)
+        code, time_taken = run(program, *command, "-c", constraints, "-o", output, "--report", report)
+        codes.append(code)
+        seconds.append(time_taken)
+        done = pathlib.Path(report).exists()
+        reports.append(json.loads(pathlib.Path(report).read_text()) if done else None)
+        moved.append(largest_displacement(map_free, read_uv(output, count)) if done else None)
+        if done and kind != "flat":
+            verified.append(run(program, "verify", output, "-c", constraints, "--report", report)[0])
+    given = reports[0] or reports[1]
+    deformed = [r for r in reports[:2] if r]
+    residual = max((c["residual"] for r in deformed for c in r["constraints"]), default=0)
+    return [name, together(codes), together([r and f"{r['flipped_triangles']}, {r['overwound_vertices']}" for r in reports]),
+            figure(given and given["deformation"]["given_arap"], ".3e"),
+            together([r and r["energy"]["arap"] for r in reports], ".3e"), together(moved, ".2%"), f"{residual:.0e}",
+            together([r and r["deformation"]["release"] for r in reports[:2]]), together(seconds, ".1f"),
+            together([r and r["overlapping_pairs"] for r in reports]),
+            together("yes" if code == 0 else f"exit {code}" for code in verified)]
 
 
 def main():
@@ -99,7 +108,7 @@ def main():
     parser.add_argument("program")
     parser.add_argument("folders", nargs="+")
     arguments = parser.parse_args()
-    header = ["set", "exit: deform / flatten", "flips, overwound", "free arap", "arap", "largest displacement", "residual",
+    header = ["set", "exit: held / free / flatten", "flips, overwound", "given arap", "arap", "largest displacement", "residual",
               "released", "s", "overlaps", "verified"]
     print("| " + " | ".join(header) + " |\n|" + " --- |" * len(header))
     with tempfile.TemporaryDirectory() as folder:

@@ -2,14 +2,11 @@
 
 #include <algorithm>
 
+#include "engine/deform/aligned_map.hpp"
 #include "engine/flatten_steps.hpp"
 
 namespace planish {
 namespace {
-
-Placement then(const Placement& first, const Placement& second) {
-  return {second.p + multiply(second.c, first.p), multiply(second.c, first.c)};
-}
 
 Placement inverse(const Placement& isometry) {
   return {-multiply(conjugate(isometry.c), isometry.p), conjugate(isometry.c)};
@@ -63,6 +60,7 @@ Result<void> Editing::constrain(const Constraints& constraints, const Monitor& m
 Result<void> Editing::compile(const Constraints& constraints, const Monitor& monitor) {
   system_.reset();
   placed_.reset();
+  responses_.forget();
   set_ = constraints.set == nullptr ? ConstraintSet{} : *constraints.set;
   features_ = features_in_order(mesh(), constraints.features);
   vertex_origin_.assign(constraints.vertex_origin.begin(), constraints.vertex_origin.end());
@@ -94,23 +92,12 @@ Result<void> Editing::move_pin(Index vertex, Vec2 uv) {
 Result<void> Editing::place() {
   release_ = Release::None;
   anew_.reset();
-  const Index num_components = topology().num_components;
-  std::vector<Placement> motion(num_components);
+  std::vector<Placement> motion(topology().num_components);
   std::vector<Vec2> map = given_.uv;
   if (system_) {
-    const std::vector<Pin>& pins = system_->pins();
-    motion = onto_pins(pins, piece_.component, num_components, map);
-    move_components(motion, piece_.component, map);
-    auto by = system_->orient_at(map);
-    if (!by) return fail(by.error());
-    std::vector<Index> count(num_components, 0);
-    for (const Pin& pin : pins) ++count[piece_.component[pin.vertex]];
-    for (Index k = 0; k < num_components; ++k) {
-      if (count[k] > 1) (*by)[k] = 0;  // how it is turned is for its pins to say
-    }
-    const std::vector<Placement> turned = turns(*by, pins, piece_.component, map);
-    move_components(turned, piece_.component, map);
-    for (Index k = 0; k < num_components; ++k) motion[k] = then(motion[k], turned[k]);
+    auto aligned = align_map(piece_, *system_, map);
+    if (!aligned) return fail(aligned.error());
+    motion = std::move(*aligned);
     auto placed = place_features(*system_, map);
     if (!placed) return fail(placed.error());
     placed_.emplace(std::move(*placed));
@@ -128,6 +115,7 @@ void Editing::align(std::vector<Placement> motion) {
   for (std::size_t k = 0; k < motion.size(); ++k) {
     const bool same = motion[k].c == motion_[k].c && motion[k].p == motion_[k].p;
     change.push_back(same ? Placement{} : then(inverse(motion_[k]), motion[k]));
+    if (!same) responses_.forget();
   }
   move_components(change, piece_.component, uv_);
   motion_ = std::move(motion);
@@ -163,6 +151,7 @@ Result<void> Editing::factor() {
   if (!global) return fail(global.error());
   global_.emplace(std::move(*global));
   factored_for_ = nodes_.fixed;
+  responses_.forget();
   return {};
 }
 

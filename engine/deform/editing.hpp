@@ -6,13 +6,30 @@
 
 #include "engine/deform/given_map.hpp"
 #include "engine/deform/placed_features.hpp"
+#include "engine/deform/responses.hpp"
 #include "engine/edit.hpp"
+#include "engine/solve/overlap_free.hpp"
 
 namespace planish {
 
+/// What is wrong with a map, the worse first: flipped triangles and overwound vertices; overlapping pairs where none are
+/// wanted.
+struct Faults {
+  Offset turned = 0, overlapping = 0;
+  auto operator<=>(const Faults&) const = default;
+};
+
+/// What is done about flips, and when they are looked for.
+enum class Mending {
+  None,     ///< nothing
+  AtEnd,    ///< where few are expected, or the start is one to get away from
+  Watched,  ///< at every step, which costs a third of it
+};
+
 class Editing {
  public:
-  explicit Editing(const EditOptions& options) : options_(options), exec_(options.threads) {}
+  explicit Editing(const EditOptions& options)
+      : options_(options), exec_(options.threads), responses_(exec_) {}
 
   Result<void> begin(const Surface& surface, In<Vec2> uv, const Monitor& monitor);
   Result<void> constrain(const Constraints& constraints, const Monitor& monitor);
@@ -20,6 +37,7 @@ class Editing {
   Result<void> solve(const SolveOptions& options, const Monitor& monitor, const StepSink& sink);
   /// The map as it is now, as a step.
   DeformStep snapshot(int step) const;
+  Result<void> say_step(int step, const StepSink& sink);
   /// From [V] of the ordered mesh, its units, to the input's vertices, mesh units.
   std::vector<Vec2> in_input_order(In<Vec2> uv) const;
   In<Vec2> uv() const { return uv_; }
@@ -47,19 +65,38 @@ class Editing {
   SymmetricMatrix laplacian_over(const NodeMap& nodes) const;
 
   Result<void> go_on(const SolveOptions& options, const Monitor& monitor, const StepSink& sink);
-  Result<Minimum> follow(const SolveOptions& options, const Monitor& monitor,
-                         const std::function<Result<void>(int)>& say_step);
-  Result<Minimum> minimise(const SolveOptions& options, const Monitor& monitor, bool last);
+  Result<Minimum> follow(const SolveOptions& options, const Monitor& monitor, const StepSink& sink);
+  Result<Minimum> follow_held(const SolveOptions& options, const Monitor& monitor);
+  Result<Minimum> last_step(const SolveOptions& options, const Monitor& monitor);
+  Result<Minimum> step_on_the_way(const SolveOptions& options, const Monitor& monitor, bool mending);
+  Result<Minimum> minimise(const FlattenOptions& options, const Monitor& monitor, Mending mending,
+                           bool begins_near = false);
   Result<Minimum> lower(const ArapProblem& arap, const FlattenOptions& options, const Monitor& monitor,
-                        bool mending);
+                        Mending mending, const OverlapFreeStarts& starts);
+  /// How the map is looked at by steps that are told everything.
+  Mending mending() const { return last_.flips == Flips::Untangle ? Mending::Watched : Mending::None; }
+  bool has_features() const { return system_ && !system_->compiled().bodies.empty(); }
   FlattenOptions flatten_options(const SolveOptions& options) const;
 
-  Result<Minimum> let_go(Minimum held, const SolveOptions& options, const Monitor& monitor);
-  Result<Minimum> release(const SolveOptions& options, const Monitor& monitor);
+  Result<Minimum> let_go(Minimum best, const SolveOptions& options, const Monitor& monitor);
+  Result<Minimum> release(const SolveOptions& options, const Monitor& monitor, Mending mending);
   Result<Minimum> start_anew(const SolveOptions& options, const Monitor& monitor);
   Result<std::unique_ptr<ConstraintSystem>> compiled_system(const Monitor& monitor) const;
-  Offset faults(In<Vec2> uv) const;
+  Faults faults(In<Vec2> uv) const;
+  bool is_as_asked(const Minimum& minimum) const;
   bool is_injective(const ArapProblem& arap, In<Vec2> uv) const;
+
+  OverlapFreeStarts held_starts(const ArapProblem& arap, const FlattenOptions& options,
+                                const Monitor& monitor);
+  OverlapFreeStarts released_starts(const ArapProblem& arap, const FlattenOptions& options,
+                                    const Monitor& monitor);
+  OverlapFreeStarts anew_starts(const ArapProblem& arap, const FlattenOptions& options,
+                                const Monitor& monitor);
+  Result<OverlapFreeStarts::Map> before_steps(ArapProblem arap, DofMap* first, std::unique_ptr<DofMap> dof,
+                                              FlattenOptions options, const Monitor& monitor) const;
+  Result<OverlapFreeStarts::NearConstraints> near_places(ConstraintSystem& system, std::vector<Vec2> uv);
+  const Poses& final_poses(const Minimum& minimum, const DofMap& dof) const;
+
   void move_back(const ConstraintSystem& system, Out<Vec2> uv) const;
   void keep(Minimum minimum);
   void settle_gauge();
@@ -96,10 +133,14 @@ class Editing {
 
   std::vector<Vec2> uv_;  // [V] where the map is
   bool settled_ = false;  // at a minimum without flips, features held
+  Responses responses_;   // of the map to what is held
   SolveOptions last_;     // of the last solve, and what came of it
   Flattening solved_;
   Release release_ = Release::None;
-  std::unique_ptr<ConstraintSystem> anew_;  // of a map that was flattened anew
+  std::vector<StepFacts> way_;
+  std::unique_ptr<ConstraintSystem> anew_;         // of a map that was flattened anew
+  std::unique_ptr<ConstraintSystem> near_system_;  // oriented at the map of the surface without constraints
+  std::unique_ptr<DofMap> separated_dof_;  // of features pulled into place, where overlaps were removed so
 };
 
 }  // namespace planish

@@ -24,6 +24,8 @@ DeformStep Editing::snapshot(int step) const {
 DeformFacts Editing::facts(In<Vec2> map) const {
   DeformFacts facts{.reference = options_.reference,
                     .steps = last_.steps,
+                    .way = way_,
+                    .poses = last_.poses,
                     .map_scale = given_.scale,
                     .mirrored = given_.num_mirrored,
                     .release = release_};

@@ -1,4 +1,4 @@
-// Where triangles stay flipped as long as features are held: features let go, as flatten has them.
+// Where triangles stay flipped, or parts of the map lie on one another, as long as features are held: features let go.
 #include "engine/constraints/constrained_start.hpp"
 #include "engine/deform/editing.hpp"
 #include "engine/flatten_steps.hpp"
@@ -19,33 +19,39 @@ std::vector<std::uint8_t> turning_components(const ConstraintSystem& system, In<
 
 }  // namespace
 
-Offset Editing::faults(In<Vec2> uv) const {
-  const Certificate c = measure_without_overlaps(exec_, piece_, uv);
-  return c.flipped_triangles + c.overwound_vertices;
+Faults Editing::faults(In<Vec2> uv) const {
+  const Certificate c = last_.overlaps == Overlapping::Remove ? measure_map(exec_, piece_, uv)
+                                                              : measure_without_overlaps(exec_, piece_, uv);
+  return {c.flipped_triangles + c.overwound_vertices, c.overlapping_pairs};
 }
 
-/// From the start that leaves fewer faults; the map as it was held where neither helps.
-Result<Minimum> Editing::let_go(Minimum held, const SolveOptions& options, const Monitor& monitor) {
-  auto released = release(options, monitor);
-  if (!released) return released;
-  if (released->injective) {
-    release_ = Release::Features;
-    return released;
+bool Editing::is_as_asked(const Minimum& minimum) const {
+  const OverlapRemoval& removal = minimum.overlaps;
+  return minimum.injective && (removal.pairs_before == 0 || removal.start != OverlapRemoval::Start::None);
+}
+
+/// What has fewest faults of the map found so far and those that release more, until one is as it is to be.
+Result<Minimum> Editing::let_go(Minimum best, const SolveOptions& options, const Monitor& monitor) {
+  Faults least = faults(best.uv);
+  for (const Release next : {Release::Features, Release::Map}) {
+    const bool features = next == Release::Features;
+    if (features && options.poses == FeaturePoses::Free) continue;
+    auto minimum = features ? release(options, monitor, mending()) : start_anew(options, monitor);
+    if (!minimum && !features && minimum.error().code == ErrorCode::ConstraintsConflict) return best;
+    if (!minimum) return minimum;
+    const Faults left = faults(minimum->uv);
+    const bool done = is_as_asked(*minimum);
+    if (!done && !(left < least)) continue;
+    least = left;
+    best = std::move(*minimum);
+    release_ = next;
+    if (done) break;
   }
-  const Offset left_held = faults(held.uv), left = faults(released->uv);
-  auto anew = start_anew(options, monitor);
-  if (!anew && anew.error().code != ErrorCode::ConstraintsConflict) return anew;
-  if (anew && faults(anew->uv) < std::min(left_held, left)) {
-    release_ = Release::Map;
-    return anew;
-  }
-  if (left >= left_held) return held;
-  release_ = Release::Features;
-  return released;
+  return best;
 }
 
 /// Features as unknowns, from where they were placed and the rotations of the map.
-Result<Minimum> Editing::release(const SolveOptions& options, const Monitor& monitor) {
+Result<Minimum> Editing::release(const SolveOptions& options, const Monitor& monitor, Mending mending) {
   auto poses = system_->poses_at(aligned_), same = system_->poses_at(aligned_);
   if (!poses || !same) return fail(poses ? same.error() : poses.error());
   const auto dof = system_->dof_map(std::move(*poses), false),
@@ -56,10 +62,12 @@ Result<Minimum> Editing::release(const SolveOptions& options, const Monitor& mon
   const std::vector<Vec2> rotation = closest_rotations();
   ArapProblem arap = problem(*global, system_->nodes(), *dof, rotation);
   arap.first = still.get();
+  arap.untangles_first_map = false;
   arap.turns_freely = turning_components(*system_, piece_.component);
-  auto minimum = lower(arap, flatten_options(options), monitor, true);
+  const FlattenOptions chosen = flatten_options(options);
+  auto minimum = lower(arap, chosen, monitor, mending, released_starts(arap, chosen, monitor));
   if (!minimum) return minimum;
-  if (auto scales = system_->check_scales(*dof->poses()); !scales) return fail(scales.error());
+  if (auto scales = system_->check_scales(final_poses(*minimum, *dof)); !scales) return fail(scales.error());
   move_back(*system_, minimum->uv);
   return minimum;
 }
@@ -79,11 +87,19 @@ Result<Minimum> Editing::start_anew(const SolveOptions& options, const Monitor& 
   ArapProblem arap = problem(*global, anew_->nodes(), start->last(), start->rotation);
   arap.first = start->first.get();
   arap.turns_freely = turning_components(*anew_, piece_.component);
-  auto minimum = lower(arap, chosen, monitor, true);
+  auto minimum = lower(arap, chosen, monitor, mending(), anew_starts(arap, chosen, monitor));
   if (!minimum) return minimum;
-  if (auto scales = anew_->check_scales(*start->last().poses()); !scales) return fail(scales.error());
+  if (auto scales = anew_->check_scales(final_poses(*minimum, start->last())); !scales)
+    return fail(scales.error());
+  if (minimum->overlaps.start == OverlapRemoval::Start::Unconstrained) anew_ = std::move(near_system_);
   move_back(*anew_, minimum->uv);
   return minimum;
+}
+
+/// Features that were pulled into place lie as another DOF map has them.
+const Poses& Editing::final_poses(const Minimum& minimum, const DofMap& dof) const {
+  const bool pulled = minimum.overlaps.start == OverlapRemoval::Start::Unconstrained;
+  return pulled ? *separated_dof_->poses() : *dof.poses();
 }
 
 /// The DOF map of released features has something of each component without pins at 0.

@@ -5,6 +5,7 @@
 #include "engine/flatten_steps.hpp"
 #include "engine/solve/flip_free.hpp"
 #include "engine/solve/map_energy.hpp"
+#include "engine/solve/quasi_newton.hpp"
 #include "engine/verify/certificate.hpp"
 #include "kernels/local/proxy.hpp"
 
@@ -15,12 +16,19 @@ namespace {
 constexpr double kWayTolerance = 1e-3;
 constexpr int kWayIterations = 20;
 
+/// A map that follows all but so much of what is held goes on from there; with more left, from a global step.
+constexpr double kFollows = 0.1;
+
+/// With features held untangling succeeds within some ten steps, or, where they leave no room between them, not at all.
+constexpr int kHeldUntanglingSteps = 30;
+
 }  // namespace
 
 FlattenOptions Editing::flatten_options(const SolveOptions& options) const {
   FlattenOptions result;
   result.energy = options.energy;
   result.flips = options.flips;
+  result.overlaps = options.overlaps;
   result.tolerance = options.tolerance;
   result.max_iterations = options.max_iterations;
   result.threads = options_.threads;
@@ -38,62 +46,104 @@ Result<void> Editing::solve(const SolveOptions& options, const Monitor& monitor,
 
 Result<void> Editing::go_on(const SolveOptions& options, const Monitor& monitor, const StepSink& sink) {
   last_ = options;
+  way_.clear();
   if (auto factored = timed(Phase::Start, monitor, [&] { return factor(); }); !factored) return factored;
   const std::vector<Vec2> start = uv_;
-  const auto say_step = [&](int step) { return sink ? sink(snapshot(step)) : Result<void>(); };
-  if (auto taken = say_step(0); !taken) return taken;
+  if (auto taken = say_step(0, sink); !taken) return taken;
   release_ = Release::None;
   settled_ = settled_ && options.steps == 1;
-  auto minimum = follow(options, monitor, say_step);
-  const bool has_features = system_ && !system_->compiled().bodies.empty();
-  if (minimum && options.flips == Flips::Untangle && !minimum->injective && has_features) {
+  auto minimum = follow(options, monitor, sink);
+  if (minimum && options.flips == Flips::Untangle && !is_as_asked(*minimum) && has_features()) {
     uv_ = start;
     settled_ = false;
     minimum = let_go(std::move(*minimum), options, monitor);
   }
   if (!minimum) return fail(minimum.error());
-  settled_ = minimum->injective && release_ == Release::None;
+  settled_ = minimum->injective && release_ == Release::None && options.poses == FeaturePoses::Held;
   keep(std::move(*minimum));
   settle_gauge();
-  return say_step(options.steps);
+  return say_step(options.steps, sink);
 }
 
-/// From where the map is, step by step, all but the last one told.
-Result<Minimum> Editing::follow(const SolveOptions& options, const Monitor& monitor,
-                                const std::function<Result<void>(int)>& say_step) {
+/// The map as it is now, to whom it concerns.
+Result<void> Editing::say_step(int step, const StepSink& sink) {
+  if (!sink && last_.steps == 1) return {};
+  DeformStep now = snapshot(step);
+  const Certificate& c = now.certificate;
+  if (last_.steps > 1)
+    way_.push_back(
+        {.step = step, .arap = c.arap, .flipped = c.flipped_triangles, .overwound = c.overwound_vertices});
+  return sink ? sink(std::move(now)) : Result<void>();
+}
+
+/// From where the map is, step by step, all but the last one told. Steps begin without flips where those before them had
+/// none, and end so where that is possible with the features held.
+Result<Minimum> Editing::follow(const SolveOptions& options, const Monitor& monitor, const StepSink& sink) {
   std::optional<FeatureMotion> motion;
   if (system_) motion.emplace(*system_, *placed_, uv_);
+  bool mends = options.steps > 1 && options.flips == Flips::Untangle && faults(uv_).turned == 0;
   for (int step = 1;; ++step) {
     nodes_.place.clear();
     if (motion) nodes_.place = motion->at(static_cast<double>(step) / options.steps);
     for (const Index v : alone_) nodes_.place.emplace_back(v, uv_[v]);
-    const bool last = step == options.steps;
-    auto minimum = minimise(options, monitor, last);
-    if (!minimum || last) return minimum;
+    if (step == options.steps) return last_step(options, monitor);
+    auto minimum = step_on_the_way(options, monitor, mends);
+    if (!minimum) return minimum;
     uv_ = std::move(minimum->uv);
-    if (auto taken = say_step(step); !taken) return fail(taken.error());
+    mends = mends && minimum->injective;
+    if (auto taken = say_step(step, sink); !taken) return fail(taken.error());
   }
 }
 
+Result<Minimum> Editing::last_step(const SolveOptions& options, const Monitor& monitor) {
+  if (options.poses == FeaturePoses::Free && has_features())
+    return release(options, monitor, mending() == Mending::None ? Mending::None : Mending::AtEnd);
+  if (settled_ && options.flips == Flips::Untangle) return follow_held(options, monitor);
+  return minimise(flatten_options(options), monitor, mending());
+}
+
+/// From one minimum to the next, first as earlier ones let expect.
+Result<Minimum> Editing::follow_held(const SolveOptions& options, const Monitor& monitor) {
+  const std::vector<Vec2> before = uv_;
+  std::vector<Vec2> way;
+  for (const auto& [v, z] : nodes_.place) way.push_back(z - uv_[v]);
+  const bool follows = responses_.follow(way, uv_) < kFollows;
+  auto minimum = minimise(flatten_options(options), monitor, Mending::AtEnd, follows);
+  if (!minimum || !minimum->injective) return minimum;
+  std::vector<Vec2> response(before.size());
+  combine(exec_, {{1, minimum->uv}, {-1, before}}, response);
+  responses_.learn(std::move(way), std::move(response));
+  return minimum;
+}
+
+Result<Minimum> Editing::step_on_the_way(const SolveOptions& options, const Monitor& monitor, bool mending) {
+  FlattenOptions loose = flatten_options(options);
+  loose.tolerance = std::max(loose.tolerance, kWayTolerance);
+  loose.max_iterations = std::min(loose.max_iterations, kWayIterations);
+  loose.overlaps = Overlapping::Report;
+  return minimise(loose, monitor, mending ? Mending::AtEnd : Mending::None);
+}
+
 /// With what is held where it is to be.
-Result<Minimum> Editing::minimise(const SolveOptions& options, const Monitor& monitor, bool last) {
-  const std::vector<Vec2> rotation = closest_rotations();
+Result<Minimum> Editing::minimise(const FlattenOptions& options, const Monitor& monitor, Mending mending,
+                                  bool begins_near) {
+  const std::vector<Vec2> rotation = begins_near ? std::vector<Vec2>() : closest_rotations();
   DofMap dof(nodes_);
   std::vector<Vec2> near = uv_;
   for (const auto& [v, z] : nodes_.place) near[v] = z;
   ArapProblem arap = problem(*global_, nodes_, dof, rotation);
   arap.near = near;
-  FlattenOptions chosen = flatten_options(options);
-  if (!last) {
-    chosen.tolerance = std::max(chosen.tolerance, kWayTolerance);
-    chosen.max_iterations = std::min(chosen.max_iterations, kWayIterations);
+  arap.begins_near = begins_near;
+  if (has_features()) {
+    arap.most_untangling_steps = kHeldUntanglingSteps;
+    arap.untangles_first_map = false;
   }
-  return lower(arap, chosen, monitor, last && options.flips == Flips::Untangle);
+  return lower(arap, options, monitor, mending, held_starts(arap, options, monitor));
 }
 
-/// Local/global, and where asked for the removal of flips and the descent without them.
+/// Local/global, and where asked for the removal of flips, the descent without them, and the removal of overlaps.
 Result<Minimum> Editing::lower(const ArapProblem& arap, const FlattenOptions& options, const Monitor& monitor,
-                               bool mending) {
+                               Mending mending, const OverlapFreeStarts& starts) {
   Minimum minimum;
   const auto iterate = [&](Watch watch) {
     return timed(Phase::LocalGlobal, monitor, [&]() -> Result<void> {
@@ -103,17 +153,21 @@ Result<Minimum> Editing::lower(const ArapProblem& arap, const FlattenOptions& op
       return {};
     });
   };
-  // Watching every step costs a third of it. Near a minimum without flips one look at the end does.
-  auto done = iterate(mending && !settled_ ? Watch::Injectivity : Watch::None);
-  if (done && mending && settled_) {
-    minimum.injective = minimum.converged && is_injective(arap, minimum.uv);
+  auto done = iterate(mending == Mending::Watched ? Watch::Injectivity : Watch::None);
+  if (mending == Mending::None || !done)
+    return done ? Result<Minimum>(std::move(minimum)) : fail(done.error());
+  if (mending == Mending::AtEnd) {
+    minimum.injective = is_injective(arap, minimum.uv);
     if (!minimum.injective) done = iterate(Watch::Injectivity);
   }
-  if (done && mending && !(settled_ && minimum.injective))
+  if (done && !(mending == Mending::AtEnd && minimum.injective))
     done =
         timed(Phase::Untangle, monitor, [&] { return remove_flips(exec_, arap, options, monitor, minimum); });
-  if (done && mending)
+  if (done)
     done = timed(Phase::Polish, monitor, [&] { return polish(exec_, arap, options, monitor, minimum); });
+  if (done && options.overlaps == Overlapping::Remove)
+    done = timed(Phase::Separate, monitor,
+                 [&] { return remove_overlaps(exec_, arap, starts, options, monitor, minimum); });
   if (!done) return fail(done.error());
   return minimum;
 }
@@ -126,6 +180,8 @@ void Editing::keep(Minimum minimum) {
   solved_.gradient = minimum.gradient;
   solved_.removal = minimum.removal;
   solved_.removal.method = last_.flips;
+  solved_.overlaps = minimum.overlaps;
+  solved_.overlaps.method = last_.overlaps;
 }
 
 /// What nothing ties to a place lies as near to the given map as it can.

@@ -23,7 +23,7 @@ constexpr std::array kCodes = {
     CodeEntry{ErrorCode::Truncated, "truncated", 3, "write the file again"},
     CodeEntry{ErrorCode::IndexOutOfRange, "index-out-of-range", 3, ""},
     CodeEntry{ErrorCode::NoTriangles, "no-triangles", 4, "give a mesh with faces"},
-    CodeEntry{ErrorCode::NonFinitePosition, "non-finite-position", 4, "correct or remove these vertices"},
+    CodeEntry{ErrorCode::NonFinitePosition, "non-finite-position", 4, "correct or remove them"},
     CodeEntry{ErrorCode::RepeatedVertex, "repeated-vertex", 4, "use --repair to drop them"},
     CodeEntry{ErrorCode::DuplicateTriangle, "duplicate-triangle", 4, "use --repair to drop the copies"},
     CodeEntry{ErrorCode::DegenerateTriangle, "degenerate-triangle", 4, "use --repair to remove them"},

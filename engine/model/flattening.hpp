@@ -88,9 +88,9 @@ struct OverlapRemoval {
   enum class Start {
     None,          ///< none was found, the map stayed as it was
     Straightened,  ///< the one that was reached, its boundary laid straight where it curled over itself
-    FirstMap,      ///< that of the first rotations
+    FirstMap,      ///< that of the first rotations, or a given map with its features in their places
     ConvexMap,     ///< one of the whole onto a disk
-    Unconstrained  ///< the map without constraints, which they were brought to
+    Unconstrained  ///< the map without constraints, or a given one, which they were brought to
   };
   Overlapping method = Overlapping::Report;
   Offset pairs_before = 0;   ///< where the descent without flips ended

@@ -56,9 +56,16 @@ const char* name(Overlapping overlapping) {
 }
 
 Overlapping overlapping(const FlattenOptions& options) {
-  const bool untangled =
-      options.method == Method::Arap && !options.paper && options.flips == Flips::Untangle;
+  const bool untangled = options.method == Method::Arap && !options.paper && options.flips == Flips::Untangle;
   return options.overlaps.value_or(untangled ? Overlapping::Remove : Overlapping::Report);
+}
+
+const char* name(FeaturePoses poses) {
+  switch (poses) {
+    case FeaturePoses::Held: return "held";
+    case FeaturePoses::Free: return "free";
+  }
+  return "";
 }
 
 const char* name(Reference reference) {

@@ -84,6 +84,14 @@ enum class Reference {
 
 const char* name(Reference reference);
 
+/// Where constrained elements are in a deformed map.
+enum class FeaturePoses {
+  Held,  ///< where they lie nearest to the given map (the paper)
+  Free,  ///< begun there, moved by what their constraints leave free to where the whole is least distorted
+};
+
+const char* name(FeaturePoses poses);
+
 struct EditOptions {
   Reference reference = Reference::Surface;
   int threads = 0;  ///< 0: the arena of the calling thread
@@ -92,10 +100,12 @@ struct EditOptions {
 /// Of one solve of an edited map.
 struct SolveOptions {
   int steps = 1;  ///< the constrained elements go their way in so many steps, >= 1; the rest follows each
+  FeaturePoses poses = FeaturePoses::Held;  ///< of the last step
   Energy energy = Energy::Arap;
   Flips flips = Flips::Untangle;  ///< Untangle or Keep
-  double tolerance = 1e-6;        ///< of the gradient (DESIGN 3.5), > 0
-  int max_iterations = 500;       ///< local/global and Newton steps of the last step, >= 0
+  Overlapping overlaps = Overlapping::Report;
+  double tolerance = 1e-6;   ///< of the gradient (DESIGN 3.5), > 0
+  int max_iterations = 500;  ///< local/global and Newton steps of the last step, >= 0
 };
 
 }  // namespace planish

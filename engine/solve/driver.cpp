@@ -53,6 +53,7 @@ class Iteration {
 
   /// The first global step, for the first rotations; then all directions are free to turn.
   Result<void> start() {
+    if (problem_.begins_near) return start_near();
     const bool near = !problem_.near.empty();
     x_ = near ? std::vector<Vec2>(problem_.near.begin(), problem_.near.end()) : problem_.first->origin();
     if (auto used = use(*problem_.first); !used) return used;
@@ -69,6 +70,13 @@ class Iteration {
         return fail(ErrorCode::InternalDefect, "the first global step leaves the joints");
     }
     return set_free().and_then([&] { return resume(); });
+  }
+
+  Result<void> start_near() {
+    x_.assign(problem_.near.begin(), problem_.near.end());
+    if (problem_.dof->num_vertices() >= kLeastRounded && !problem_.global->is_rounded())
+      problem_.global->round_to_single(exec_);
+    return use(*problem_.dof).and_then([&] { return resume(); });
   }
 
   /// From the exact step to the iteration: another DOF map, a metric that is cheaper to solve with.

@@ -32,11 +32,15 @@ struct ArapProblem {
   In<Vec2> rotation;        ///< [T] first rotations
   /// [first->size()] unknowns near the first map, for a rounded factor to reach it in one solve; empty: none are known.
   In<Vec2> near = {};
+  bool begins_near = false;    ///< at `near` itself, in dof's unknowns, without the first global step
   In<Index> order;             ///< fill-reducing order of the vertices
   In<Index> vertex_component;  ///< [V]
   Index num_components = 1;
   /// A map without flips [V], where there is one.
   std::function<Result<std::vector<Vec2>>()> last_resort = {};
+  int most_untangling_steps = 100;  ///< of the whole, from one map
+  bool untangles_first_map =
+      true;  ///< where the last map cannot be untangled; false: another problem is tried then
   const BoundaryBarrier* barrier =
       nullptr;  ///< where flip-free steps must not make the boundary cross itself
   std::vector<std::uint8_t> turns_freely = {};  ///< per component: 1 where nothing says how it is turned

@@ -29,7 +29,7 @@ class FlipRemover {
     if (minimum_.injective) return {};
     least_faults_ = faults(minimum_.uv);
     auto removed = unless_degenerate(from(minimum_.uv));
-    if (removed && !minimum_.injective && minimum_.history.size() > 1)
+    if (removed && !minimum_.injective && minimum_.history.size() > 1 && problem_.untangles_first_map)
       removed = unless_degenerate(from_first_map());
     if (removed && !minimum_.injective && problem_.last_resort)
       removed = unless_degenerate(from_last_resort());
@@ -61,7 +61,6 @@ class FlipRemover {
 
   /// Keeps the result where it has fewer faults.
   Result<void> from(std::vector<Vec2> uv) {
-    constexpr int kMostSteps = 100;
     std::vector<Vec2> mended = uv;
     if (auto done = patches_.untangle(density_of(options_), monitor_, mended); !done) return done;
     if (faults(mended) == 0) {
@@ -69,7 +68,7 @@ class FlipRemover {
     } else {
       // From where it was: flips that patches were left with stand between others that are stiff now.
       NewtonMap map = whole_map(exec_, problem_, std::move(uv));
-      Untangling untangling(map, kMostSteps);
+      Untangling untangling(map, problem_.most_untangling_steps);
       if (auto done = take_steps(untangling, map, monitor_, minimum_.removal.untangling_steps); !done)
         return done;
       uv.assign(map.uv().begin(), map.uv().end());

@@ -39,9 +39,10 @@ class OverlapRemover {
     removal.energy_before = minimum_.history.back().energy;
     if (removal.pairs_before == 0) return {};
     if (!problem_.newton_fits) {
-      return fail(ErrorCode::OutOfMemory,
-                  "Newton steps that remove overlaps need more memory than the limit: raise it, or have overlaps "
-                  "reported alone");
+      return fail(
+          ErrorCode::OutOfMemory,
+          "Newton steps that remove overlaps need more memory than the limit: raise it, or have overlaps "
+          "reported alone");
     }
     for (const auto begin : {&OverlapRemover::begin_straightened, &OverlapRemover::begin_first_map,
                              &OverlapRemover::begin_convex, &OverlapRemover::begin_near_constraints}) {

@@ -163,6 +163,7 @@ TEST_CASE("deform: an OBJ with seams, written by hand, keeps its seams") {
   CHECK(count_lines(written, "v ") == 216 + 48);        // the belt adds some
   CHECK(count_lines(written, "vt ") == 216 + 48 + 10);  // those of the seam have two
   CHECK(has(written, "o unrolled by hand"));
+  CHECK(!has(solved.ran.err, "not kept"));  // the given map is what was deformed
   CHECK(solved.report.at("energy").at("arap") < 1e-3);
 }
 
@@ -263,6 +264,61 @@ TEST_CASE("deform: steps go to the same end, and each is drawn") {
   CHECK(has(content_of(scratch.file("p.svg")), "<svg"));
 }
 
+TEST_CASE("deform: the report has the map after each step, from the given one to the last") {
+  const Scratch scratch;
+  const json report = deform(scratch, mapped_dome(as_seen), kEvery, "--steps 4").report;
+  const json& way = report.at("deformation").at("way");
+  REQUIRE(way.size() == 5);
+  for (int k = 0; k <= 4; ++k) {
+    CHECK(way[k].at("step") == k);
+    CHECK(way[k].at("flipped_triangles") == 0);
+  }
+  CHECK(way[0].at("arap") == report.at("deformation").at("given_arap"));
+  CHECK(way[4].at("arap") == report.at("energy").at("arap"));
+  CHECK(deform(scratch, mapped_dome(as_seen), kEvery).report.at("deformation").at("way").empty());
+}
+
+TEST_CASE("deform: steps that are left with flips are named") {
+  // The middle is pulled past its neighbours, which corners hold back.
+  const Scratch scratch;
+  write(scratch.file("in.obj"), mapped_dome(as_seen));
+  write(scratch.file("c.json"), file_of(kFeatures,
+                                        R"({"type": "pin", "vertices": [0, 6, 42, 48, 24, 25, 26],
+                    "uv": [[0, 0], [6, 0], [0, 6], [6, 6], [5.5, 3], [4, 3], [5, 3]]})",
+                                        ""));
+  const Ran ran = run("deform " + scratch.file("in.obj") + " -c " + scratch.file("c.json") + " -o " +
+                      scratch.file("o.obj") + " --steps 4 --report " + scratch.file("r.json"));
+  CHECK(ran.code == 6);
+  CHECK_MESSAGE(has(ran.out, "steps on the way with flipped triangles and overwound vertices: "), ran.out);
+  const json way = json::parse(content_of(scratch.file("r.json"))).at("deformation").at("way");
+  CHECK(way[0].at("flipped_triangles") == 0);
+  CHECK(way[3].at("flipped_triangles") > 0);
+}
+
+TEST_CASE("deform: features whose poses are free end where the whole is less distorted than with them held") {
+  const Scratch scratch;
+  const std::string constraints =
+      lines({"low", "high"}, kScaled) +
+      R"(, {"type": "angle", "features": ["low", "high"], "degrees": 8, "oriented": true})";
+  const json held = deform(scratch, mapped_dome(as_seen), constraints, "--tolerance 1e-9").report;
+  const json free =
+      deform(scratch, mapped_dome(as_seen), constraints, "--tolerance 1e-9 --poses free").report;
+  CHECK(held.at("deformation").at("poses") == "held");
+  CHECK(free.at("deformation").at("poses") == "free");
+  CHECK(free.at("deformation").at("release") == "none");
+  const auto arap = [](const json& report) { return report.at("energy").at("arap").get<double>(); };
+  CHECK(arap(free) < 0.999 * arap(held));
+  const auto at_once = images(scratch.file("o.obj"));
+  deform(scratch, mapped_dome(as_seen), constraints, "--tolerance 1e-9 --poses free --steps 5");
+  CHECK(farthest(images(scratch.file("o.obj")), at_once) < 1e-5);
+  // The minimum that flatten finds, too.
+  write(scratch.file("bare.obj"), dome());
+  REQUIRE(run("flatten " + scratch.file("bare.obj") + " -c " + scratch.file("c.json") + " -o " +
+              scratch.file("f.obj") + " --report " + scratch.file("f.json") + " --tolerance 1e-9")
+              .code == 0);
+  CHECK(arap(free) == doctest::Approx(arap(json::parse(content_of(scratch.file("f.json"))))).epsilon(1e-9));
+}
+
 TEST_CASE("deform: the reference says whose shape the triangles keep") {
   const Scratch scratch;
   const auto wide = [](double x, double y) { return Complex(1.2 * x, y); };
@@ -329,7 +385,7 @@ TEST_CASE(
   const Ran nan = refused("nan.ply", ply);
   CHECK(nan.code == 4);
   CHECK_MESSAGE(has(nan.err, "2 triangles have a uv that is not a finite number"), nan.err);
-  CHECK_MESSAGE(has(nan.err, "(triangles 0, 1)"), nan.err);
+  CHECK_MESSAGE(has(nan.err, "(triangles 0, 1); correct or remove them"), nan.err);
 
   const Ran flat = refused("flat.obj", mapped_dome([](double x, double) { return Complex(x, 0); }));
   CHECK(flat.code == 4);
@@ -350,6 +406,8 @@ TEST_CASE("deform: wrong options are refused") {
   CHECK(run(start + "--steps 0").code == 2);
   CHECK(run(start + "--reference map").code == 2);
   CHECK(run(start + "--flips weights").code == 2);
+  CHECK(run(start + "--flips keep --overlaps remove").code == 2);
+  CHECK(run(start + "--poses loose").code == 2);
   CHECK(run(start + "--energy symmetric-dirichlet --flips keep").code == 2);
   CHECK(run(start + "--frames " + scratch.file("in.obj")).code == 7);
   CHECK(has(run("deform --help").out, "--reference"));

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "tests/app/constraint_support.hpp"
 
@@ -144,6 +145,36 @@ TEST_CASE("overlaps: where pins ask for them the map stays, and it is said") {
   CHECK_FALSE(ramp.report().at("overlapping_ids").empty());
   CHECK(content_of(ramp.scratch.file("o.ply")) == reported);
   CHECK(ramp.report().at("overlaps").at("start") == "none");
+}
+
+TEST_CASE("overlaps: deform takes them apart, whether the given map has them or not") {
+  const Ramp ramp;
+  const std::string constraints = ramp.scratch.file("c.json");
+  write(constraints, R"({"version": 1,
+    "features": {"first": {"vertices": [0, 1, 2, 3]}, "last": {"vertices": [360, 361, 362, 363]}},
+    "constraints": [{"type": "line", "feature": "first"}, {"type": "line", "feature": "last"},
+                    {"type": "angle", "features": ["first", "last"], "degrees": 5}]})");
+  const auto deform = [&](const std::string& options) {
+    const Ran ran =
+        run("deform " + ramp.scratch.file("given.ply") + " -c " + constraints + " -o " +
+            ramp.scratch.file("o.ply") + " --report " + ramp.scratch.file("r.json") + " " + options);
+    REQUIRE_MESSAGE(ran.code == 0, ran.err);
+    const Ran check = checked(constraints, ramp.scratch.file("o.ply"), ramp.scratch.file("r.json"));
+    CHECK_MESSAGE(check.code == 0, check.out);
+    return ramp.report();
+  };
+  for (const std::string given : {"report", "remove"}) {
+    REQUIRE(ramp.flatten("--overlaps " + given).code == 0);
+    std::filesystem::copy_file(ramp.scratch.file("o.ply"), ramp.scratch.file("given.ply"),
+                               std::filesystem::copy_options::overwrite_existing);
+    const json with = deform("--poses free"), without = deform("--poses free --overlaps remove");
+    CHECK(with.at("overlapping_pairs").get<int>() > 0);
+    CHECK(without.at("overlapping_pairs") == 0);
+    CHECK(without.at("flipped_triangles") == 0);
+    CHECK(without.at("overlaps").at("pairs_before") == with.at("overlapping_pairs"));
+    CHECK(without.at("deformation").at("release") == (given == "report" ? "map" : "none"));
+    CHECK(verified(constraints, ramp.scratch.file("o.ply"), ramp.scratch.file("r.json")).code == 0);
+  }
 }
 
 TEST_CASE("overlaps: they are not removed from maps with flips") {

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "tests/support/shapes.hpp"
 
 using namespace planish;
@@ -155,6 +157,35 @@ TEST_CASE("edit: steps tell the sink where they are, from the map as it was to t
   }
 }
 
+TEST_CASE("edit: steps on the way are free of flips where the map is, and their facts are kept") {
+  Scene scene;
+  scene.pins().uv[2] += Vec2{0.4, 0.15};
+  const auto way_of = [&](Flips flips) {
+    MapEditor editor = scene.editor();
+    std::vector<Certificate> seen;
+    const auto sink = [&](DeformStep step) -> Result<void> {
+      seen.push_back(std::move(step.certificate));
+      return {};
+    };
+    REQUIRE(editor.solve({.steps = 6, .flips = flips}, {}, sink).has_value());
+    const std::vector<StepFacts> way = editor.measure().facts.way;
+    REQUIRE(way.size() == 7);
+    for (std::size_t k = 0; k < way.size(); ++k) {
+      CHECK(way[k].step == static_cast<int>(k));
+      CHECK(way[k].arap == seen[k].arap);
+      CHECK(way[k].flipped == seen[k].flipped_triangles);
+      CHECK(way[k].overwound == seen[k].overwound_vertices);
+    }
+    return way;
+  };
+  const auto faults = [](const StepFacts& step) { return step.flipped + step.overwound; };
+  const std::vector<StepFacts> kept = way_of(Flips::Keep), mended = way_of(Flips::Untangle);
+  CHECK(faults(kept[0]) == 0);
+  CHECK(std::ranges::count_if(kept, faults) > 2);
+  CHECK(std::ranges::count_if(mended, faults) == 0);
+  CHECK(mended.back().arap > mended.front().arap);
+}
+
 TEST_CASE("edit: what has no meaning is refused, and the editor goes on") {
   Scene scene;
   MapEditor editor = scene.editor();
@@ -166,6 +197,7 @@ TEST_CASE("edit: what has no meaning is refused, and the editor goes on") {
   CHECK(code(editor.solve({.steps = 0})) == ErrorCode::BadUsage);
   CHECK(code(editor.solve({.tolerance = 0})) == ErrorCode::BadUsage);
   CHECK(code(editor.solve({.flips = Flips::Weights})) == ErrorCode::BadUsage);
+  CHECK(code(editor.solve({.flips = Flips::Keep, .overlaps = Overlapping::Remove})) == ErrorCode::BadUsage);
   CHECK(editor.solve().has_value());
   const std::vector<Vec2> few(3);
   const auto begun = MapEditor::begin(scene.mesh.surface(), few);

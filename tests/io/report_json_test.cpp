@@ -201,6 +201,9 @@ const Price kPrice{.energy = 0.75,
 
 const DeformFacts kDeformed{.reference = Reference::Parameterization,
                             .steps = 7,
+                            .way = {{.step = 0, .arap = 0.5, .flipped = 3, .overwound = 1},
+                                    {.step = 1, .arap = 0.75, .flipped = 0, .overwound = 2}},
+                            .poses = FeaturePoses::Free,
                             .map_scale = 2.5,
                             .mirrored = 1,
                             .release = Release::Features,
@@ -223,6 +226,9 @@ TEST_CASE(
   CHECK(r["deformation"]["reference"] == "parameterization");
   CHECK(r["deformation"]["release"] == "features");
   CHECK(r["deformation"]["largest_displacement"] == 0.25);
+  CHECK(r["deformation"]["poses"] == "free");
+  CHECK(r["deformation"]["way"][1] ==
+        json({{"step", 1}, {"arap", 0.75}, {"flipped_triangles", 0}, {"overwound_vertices", 2}}));
   check_keys(s["properties"]["price"], r["price"]);
   CHECK(r["price"]["constraints"][0] ==
         json({{"name", "straight"}, {"energy_without", 0.25}, {"cost", 0.5}}));

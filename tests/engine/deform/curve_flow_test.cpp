@@ -25,6 +25,18 @@ std::vector<double> lengths(const Curve& curve, bool closed) {
 
 double total(const std::vector<double>& length) { return std::accumulate(length.begin(), length.end(), 0.0); }
 
+/// A straight line of edges of these lengths, or a circle, counter-clockwise.
+Curve target_with(const std::vector<double>& length, bool closed) {
+  if (closed) {
+    const auto polygon = cyclic_polygon(length);
+    RC_PRE(polygon.has_value());  // no edge as long as all others together
+    return polygon->corner;
+  }
+  Curve line = {Vec2{}};
+  for (const double l : length) line.push_back(line.back() + Vec2{l, 0});
+  return line;
+}
+
 /// A random simple polygon; flatness scales its height.
 struct Polygon {
   std::uint64_t seed = 0;
@@ -56,20 +68,26 @@ struct Polygon {
   Curve target(double stretch = 1) const {
     std::vector<double> length = lengths(corners(), closed);
     for (std::size_t i = 0; i < length.size(); ++i) length[i] *= i % 2 == 0 ? stretch : 1;
-    if (closed) {
-      const auto polygon = cyclic_polygon(length);
-      RC_PRE(polygon.has_value());  // no edge as long as all others together
-      Curve circle = polygon->corner;
-      if (reversed) {
-        for (Vec2& z : circle) z = conjugate(z);
-      }
-      return circle;
+    Curve curve = target_with(length, closed);
+    if (closed && reversed) {
+      for (Vec2& z : curve) z = conjugate(z);
     }
-    Curve line = {Vec2{}};
-    for (const double l : length) line.push_back(line.back() + Vec2{l, 0});
-    return line;
+    return curve;
   }
 };
+
+/// A spiral from the inside out; closed: the outline of a strip along it, counter-clockwise.
+Curve spiral(int edges, double turns, bool closed) {
+  const auto at = [&](int i, int count, double wide) {
+    const double angle = 2 * kPi * turns * i / count;
+    return (1 + 0.1 * angle + wide) * unit(angle);
+  };
+  Curve curve;
+  const int along = closed ? edges / 2 : edges;
+  for (int i = 0; i <= along; ++i) curve.push_back(at(i, along, closed ? 0.2 : 0));
+  for (int i = along; closed && i >= 0; --i) curve.push_back(at(i, along, 0));
+  return curve;
+}
 
 std::ostream& operator<<(std::ostream& out, const Polygon& p) {
   return out << "seed " << p.seed << ", " << p.edges << " edges, closed " << p.closed << ", reversed "
@@ -135,6 +153,22 @@ TEST_CASE("curve flow: closed polygons become circles, at once by step 1 and in 
 
 TEST_CASE("curve flow: open polygons become lines, at once by step 1 and in the limit of smaller ones") {
   check_property(60, [] { reaches_target(*polygons(false)); });
+}
+
+TEST_CASE("curve flow: spirals and the outlines of spiral strips unwind, lengths kept, whatever the step") {
+  check_property(60, [] {
+    const int edges = *rc::gen::element(40, 401, 10'000);
+    const double turns = *rc::gen::element(0.7, 2.0, 5.0);
+    for (const bool closed : {false, true}) {
+      const Curve from = spiral(edges, turns, closed), to = target_with(lengths(from, closed), closed);
+      const std::vector<double> length = lengths(from, closed);
+      for (const double step : {1e-3, 0.1, 0.5, 0.9, 1.0})
+        RC_ASSERT(worst_length(flow_curve(from, to, closed, step), length, closed) < 1e-11);
+      Curve curve = from;
+      for (int step = 0; step < 45; ++step) curve = flow_curve(curve, to, closed, 0.6);
+      RC_ASSERT(distance(curve, to) < 1e-9);
+    }
+  });
 }
 
 TEST_CASE("curve flow: lengths go to the target's by the same step as the turning angles") {
