@@ -133,7 +133,8 @@ Result<Minimum> Editing::minimise(const FlattenOptions& options, const Monitor& 
   for (const auto& [v, z] : nodes_.place) near[v] = z;
   ArapProblem arap = problem(*global_, nodes_, dof, rotation);
   arap.near = near;
-  arap.begins_near = begins_near;
+  // A map without flips is not given up for one that may have some.
+  arap.begins_near = begins_near || (mending == Mending::Watched && is_injective(arap, near));
   if (has_features()) {
     arap.most_untangling_steps = kHeldUntanglingSteps;
     arap.untangles_first_map = false;
