@@ -61,7 +61,8 @@ struct FlattenOptions {
   Flips flips = Flips::Untangle;
   std::optional<Overlapping> overlaps = {};  ///< unset: removed where flips are untangled, else reported
   double tolerance = 1e-6;                   ///< of the gradient (DESIGN 3.5), > 0
-  int max_iterations = 500;  ///< local/global and Newton steps after the first global solve, >= 0
+  int max_iterations =
+      500;  ///< steps after the first global solve, >= 0; removing overlaps: twice as many again
   /// The paper's own variant: directions of features as the first rotations have them, flipped triangles weigh more from
   /// global step to global step until none is left, triangles at features keep their first rotations.
   bool paper = false;
