@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "io/benchmark_names.hpp"
+
 namespace planish {
 namespace {
 
@@ -15,6 +17,10 @@ Json row_json(const ComparedMethod& row) {
   const Certificate& c = row.flattening.certificate;
   const auto number = [&](double x) { return row.has_map() && std::isfinite(x) ? Json(x) : Json(nullptr); };
   const auto count = [&](Offset n) { return row.has_map() ? Json(n) : Json(nullptr); };
+  Json benchmark(nullptr);
+  if (row.has_map()) {
+    for (const auto& [figure, value] : named_figures(c.benchmark)) benchmark[figure] = number(value);
+  }
   return {{"method", name(row.method)},
           {"supported", row.supported},
           {"reason", row.reason},
@@ -27,6 +33,7 @@ Json row_json(const ComparedMethod& row) {
           {"overwound_vertices", count(c.overwound_vertices)},
           {"overlapping_pairs", count(c.overlapping_pairs)},
           {"worst_residual", row.worst_residual ? number(*row.worst_residual) : Json(nullptr)},
+          {"benchmark", benchmark},
           {"up_to_scale", row.flattening.up_to_scale},
           {"seconds", row.seconds}};
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "io/benchmark_names.hpp"
+
 namespace planish {
 namespace {
 
@@ -48,16 +50,7 @@ void add_certificate(Json& report, const Certificate& c) {
   report["overlapping_pairs"] = c.overlapping_pairs;
   report["overlapping_ids"] = c.overlapping;
   report["overlap_area_fraction"] = number(c.overlap_area_fraction);
-  const BenchmarkFigures& b = c.benchmark;
-  report["benchmark"] = {{"max_area_distortion", number(b.max_area_distortion)},
-                         {"average_area_error", number(b.average_area_error)},
-                         {"min_singular_value", number(b.min_singular_value)},
-                         {"max_singular_value", number(b.max_singular_value)},
-                         {"proportion_flipped_triangles", number(b.proportion_flipped_triangles)},
-                         {"bijectivity_violation_area", number(b.bijectivity_violation_area)},
-                         {"max_angle_distortion", number(b.max_angle_distortion)},
-                         {"average_angle_error", number(b.average_angle_error)},
-                         {"resolution", number(b.resolution)}};
+  for (const auto& [figure, value] : named_figures(c.benchmark)) report["benchmark"][figure] = number(value);
 }
 
 void add_iteration(Json& report, const Flattening& f) {

@@ -186,6 +186,8 @@ TEST_CASE("compare: every method has its map, its picture and its row, and one s
   const std::string table = content_of(files.d + "/compare.md");
   for (const std::string& method : methods) CHECK(has(table, "| " + method + " |"));
   CHECK(files.row("arap").at("arap") < files.row("lscm").at("arap"));
+  CHECK(files.row("lscm").at("benchmark").at("average_angle_error") <
+        files.row("arap").at("benchmark").at("average_angle_error"));
   CHECK(files.row("lscm").at("conformal") < files.row("arap").at("conformal"));
 }
 
