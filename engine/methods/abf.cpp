@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "engine/methods/angle_constraints.hpp"
-#include "engine/methods/angle_layout.hpp"
 #include "engine/methods/angle_newton.hpp"
 #include "engine/methods/component_places.hpp"
 #include "engine/methods/filled_order.hpp"
@@ -143,15 +142,12 @@ class AngleBasedMap {
   }
 
   Result<void> lay_out() {
-    const auto num_corners = static_cast<std::size_t>(3 * filled_.own_triangles);
-    std::vector<double> area_of(input_.piece.topology().num_components, 0);
-    for (Index t = 0; t < filled_.own_triangles; ++t)
-      area_of[input_.piece.topology().triangle_component[t]] += area(filled_.frame[t]);
-    auto uv = lay_out_angles(input_.exec, input_.piece.mesh().corner_vertex, input_.piece.topology(),
-                             In<double>(angle_).first(num_corners), input_.piece.order, area_of);
+    std::vector<double> rest_area;
+    for (const RestFrame& frame : filled_.frame) rest_area.push_back(area(frame));
+    auto uv = lay_out_and_place(input_, angle_, rest_area, true);
     if (!uv) return fail(uv.error());
     result_.uv = std::move(*uv);
-    return place_components(input_, true, result_.uv);
+    return {};
   }
 
   const Compiled& compiled() const { return input_.system->compiled(); }
@@ -177,13 +173,16 @@ Result<MethodMap> angle_based_map(const MapInput& input, const Monitor& monitor)
 }
 
 const char* angle_refusal(const Constraint& constraint) {
-  if (std::holds_alternative<CircleConstraint>(constraint.rule) ||
-      std::holds_alternative<CurveConstraint>(constraint.rule) ||
-      std::holds_alternative<RegionConstraint>(constraint.rule))
-    return kNoShapes;
+  if (asks_for_shape(constraint)) return kNoShapes;
   return asks_for_lengths(constraint)
              ? "it solves for angles, which have no way to give a line the lengths it asks for"
              : nullptr;
+}
+
+bool asks_for_shape(const Constraint& constraint) {
+  return std::holds_alternative<CircleConstraint>(constraint.rule) ||
+         std::holds_alternative<CurveConstraint>(constraint.rule) ||
+         std::holds_alternative<RegionConstraint>(constraint.rule);
 }
 
 bool asks_for_lengths(const Constraint& constraint) {

@@ -19,6 +19,9 @@ Result<MethodMap> angle_based_map(const MapInput& input, const Monitor& monitor)
 const char* angle_refusal(const Constraint& constraint);
 bool free_lengths(Constraint& constraint);
 
+/// A circle, a curve or a region.
+bool asks_for_shape(const Constraint& constraint);
+
 /// A line of lengths by a given factor, or by one shared with others: more than being straight.
 bool asks_for_lengths(const Constraint& constraint);
 

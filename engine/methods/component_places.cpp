@@ -1,5 +1,6 @@
 #include "engine/methods/component_places.hpp"
 
+#include "engine/methods/angle_layout.hpp"
 #include "kernels/intrinsic/transport.hpp"
 
 namespace planish {
@@ -90,6 +91,20 @@ class Placing {
 
 Result<void> place_components(const MapInput& input, bool any_size, Out<Vec2> uv) {
   return input.system ? Placing(input, any_size, uv)() : Result<void>();
+}
+
+Result<std::vector<Vec2>> lay_out_and_place(const MapInput& input, In<double> angle, In<double> area,
+                                            bool any_size) {
+  const Topology& topology = input.piece.topology();
+  const Index num_triangles = input.piece.mesh().num_triangles();
+  std::vector<double> area_of(topology.num_components, 0);
+  for (Index t = 0; t < num_triangles; ++t) area_of[topology.triangle_component[t]] += area[t];
+  auto uv =
+      lay_out_angles(input.exec, input.piece.mesh().corner_vertex, topology,
+                     angle.first(static_cast<std::size_t>(3 * num_triangles)), input.piece.order, area_of);
+  if (!uv) return fail(uv.error());
+  if (auto placed = place_components(input, any_size, *uv); !placed) return fail(placed.error());
+  return uv;
 }
 
 }  // namespace planish

@@ -10,4 +10,10 @@ namespace planish {
 /// Fails: ConstraintUnsupported where a component's pins or directions ask for more than a similarity (an isometry) gives.
 Result<void> place_components(const MapInput& input, bool any_size, Out<Vec2> uv);
 
+/// Lays out the surface's triangles by their angles, and its components where they go.
+///   angle [3 T or more, corners of the surface first] radians;  area [T or more] of the triangles, for the components' sizes
+/// Fails: as lay_out_angles(), place_components().
+Result<std::vector<Vec2>> lay_out_and_place(const MapInput& input, In<double> angle, In<double> area,
+                                            bool any_size);
+
 }  // namespace planish

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "engine/methods/abf.hpp"
-#include "engine/methods/angle_layout.hpp"
 #include "engine/methods/component_places.hpp"
 #include "engine/methods/filled_order.hpp"
 #include "engine/methods/scale_boundary.hpp"
@@ -98,17 +97,13 @@ class ConformalScaleMap {
   }
 
   Result<void> lay_out() {
-    std::vector<double> area_of(input_.piece.topology().num_components, 0);
-    for (Index t = 0; t < filled_.own_triangles; ++t) {
-      area_of[input_.piece.topology().triangle_component[t]] +=
-          0.5 * scaled_length(3 * t) * scaled_length(3 * t + 2) * std::sin(angle_[3 * t]);
-    }
-    const auto num_corners = static_cast<std::size_t>(3 * filled_.own_triangles);
-    auto uv = lay_out_angles(input_.exec, input_.piece.mesh().corner_vertex, input_.piece.topology(),
-                             In<double>(angle_).first(num_corners), input_.piece.order, area_of);
+    std::vector<double> area(filled_.own_triangles);
+    for (Index t = 0; t < filled_.own_triangles; ++t)
+      area[t] = 0.5 * scaled_length(3 * t) * scaled_length(3 * t + 2) * std::sin(angle_[3 * t]);
+    auto uv = lay_out_and_place(input_, angle_, area, false);
     if (!uv) return fail(uv.error());
     result_.uv = std::move(*uv);
-    return place_components(input_, false, result_.uv);
+    return {};
   }
 
   /// One that followed from the others may ask for something else.
@@ -156,9 +151,7 @@ Result<MethodMap> conformal_scale_map(const MapInput& input, const Monitor& moni
 }
 
 const char* scale_refusal(const Constraint& constraint) {
-  if (std::holds_alternative<CircleConstraint>(constraint.rule) ||
-      std::holds_alternative<CurveConstraint>(constraint.rule) ||
-      std::holds_alternative<RegionConstraint>(constraint.rule))
+  if (asks_for_shape(constraint))
     return "its map is unique up to what is asked for at the outer boundary, lengths or angles there, and "
            "has no way to "
            "meet a shape";
