@@ -134,7 +134,8 @@ void add_flatten(CLI::App& app, FlattenArgs& args) {
   app.add_option("--tolerance", args.options.tolerance, "of the gradient, above 0")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--max-iterations", args.options.max_iterations, "local/global steps, 0 or more")
+  app.add_option("--max-iterations", args.options.max_iterations,
+                 "local/global and Newton steps, 0 or more; removing overlaps may take twice as many again")
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
   app.add_flag(
@@ -190,7 +191,8 @@ void add_deform(CLI::App& app, DeformArgs& args) {
   app.add_option("--tolerance", args.solve.tolerance, "of the gradient, above 0")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--max-iterations", args.solve.max_iterations, "local/global steps, 0 or more")
+  app.add_option("--max-iterations", args.solve.max_iterations,
+                 "local/global and Newton steps, 0 or more; removing overlaps may take twice as many again")
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
 }

@@ -249,7 +249,7 @@ class Loop {
     while (true) {
       if (auto recorded = record(); !recorded) return fail(recorded.error());
       if (finished()) break;
-      if (watch_ == Watch::Injectivity && minimum_.injective &&
+      if (watch_ == Watch::Injectivity && minimum_.injective && problem_.newton_fits &&
           promises_long_way(minimum_.history, options_.tolerance))
         break;
       if (newton_may_help && promises_long_way(minimum_.history, options_.tolerance)) {

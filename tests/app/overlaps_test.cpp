@@ -36,6 +36,36 @@ std::string ramp_obj(double degrees) {
   return text;
 }
 
+/// A flat sheet of 40 x 20 squares with two tabs at its lower edge, one bent up, one down, that lean towards one another: in the
+/// plane their tips come to lie on one another.
+std::string tabs_obj() {
+  constexpr int kWide = 40, kHigh = 20, kDeep = 3;
+  std::ostringstream vertices, faces;
+  const auto square = [&](int a, int b, int c, int d) {
+    faces << "f " << a << ' ' << b << ' ' << c << "\nf " << a << ' ' << c << ' ' << d << '\n';
+  };
+  for (int j = 0; j <= kHigh; ++j) {
+    for (int i = 0; i <= kWide; ++i) vertices << vertex_line({double(i), double(j), 0});
+  }
+  constexpr int kRow = kWide + 1;
+  for (int j = 0; j < kHigh; ++j) {
+    for (int i = 1; i <= kWide; ++i)
+      square(j * kRow + i, j * kRow + i + 1, (j + 1) * kRow + i + 1, (j + 1) * kRow + i);
+  }
+  int next = kRow * (kHigh + 1) + 1;
+  for (const int side : {1, -1}) {
+    const int first = side > 0 ? 18 : 21;  // of three on the edge
+    int above = first;
+    for (int k = 1; k <= kDeep; ++k, next += 3) {
+      for (int i = 0; i < 3; ++i)
+        vertices << vertex_line({first - 1 + i + side * 0.4 * k, -0.02 * k, double(side * k)});
+      for (int i = 0; i < 2; ++i) square(next + i, next + i + 1, above + i + 1, above + i);
+      above = next;
+    }
+  }
+  return vertices.str() + faces.str();
+}
+
 struct Ramp {
   Scratch scratch;
   explicit Ramp(double degrees = 400) { write(scratch.file("ramp.obj"), ramp_obj(degrees)); }
@@ -65,6 +95,29 @@ TEST_CASE(
   CHECK(without.at("overlaps").at("energy").get<double>() >= without.at("energy").at("arap").get<double>());
   CHECK(without.at("energy").at("arap").get<double>() > with.at("energy").at("arap").get<double>());
   CHECK(run("verify " + ramp.scratch.file("o.ply")).code == 0);
+}
+
+TEST_CASE("overlaps: where nothing is said they are removed from untangled maps, and reported of others") {
+  const Ramp ramp;
+  REQUIRE(ramp.flatten("").code == 0);
+  CHECK(ramp.report().at("overlaps").at("method") == "remove");
+  CHECK(ramp.report().at("overlapping_pairs") == 0);
+  for (const char* options : {"--flips keep", "--flips weights", "--paper", "--method lscm"}) {
+    ramp.flatten(options);
+    CHECK(ramp.report().at("overlaps").at("method") == "report");
+  }
+}
+
+TEST_CASE(
+    "overlaps: where memory is too short for their removal that is an error, where there are none it is "
+    "not") {
+  constexpr const char* kLimit = " --memory-limit 16400000";  // between local/global and Newton steps
+  const Ramp ramp;
+  const Ran ran = ramp.flatten(kLimit);
+  CHECK(ran.code == 4);
+  CHECK_MESSAGE(has(ran.err, "Newton steps that remove overlaps need more memory than the limit"), ran.err);
+  CHECK(ramp.flatten(std::string("--overlaps report") + kLimit).code == 0);
+  CHECK(Ramp(300).flatten(kLimit).code == 0);
 }
 
 TEST_CASE("overlaps: where there are none nothing is done about them") {
@@ -110,6 +163,25 @@ TEST_CASE("overlaps: a ramp whose ends are to lie at an angle is kept apart, and
     CHECK_MESSAGE(check.code == 0, check.out);
     CHECK(verified(constraints, ramp.scratch.file("o.ply"), ramp.scratch.file("r.json")).code == 0);
   }
+}
+
+TEST_CASE("overlaps: where a few lie in one place the map begins from there, what is far away hardly moves") {
+  const Scratch scratch;
+  write(scratch.file("tabs.obj"), tabs_obj());
+  const auto flatten = [&](const std::string& options) {
+    REQUIRE(run("flatten " + scratch.file("tabs.obj") + " -o " + scratch.file("o.ply") + " --report " +
+                scratch.file("r.json") + options)
+                .code == 0);
+    return json::parse(content_of(scratch.file("r.json")));
+  };
+  CHECK(flatten(" --overlaps report").at("overlapping_pairs") > 0);
+  const json report = flatten("");
+  CHECK(report.at("overlaps").at("start") == "straightened");
+  CHECK(report.at("overlapping_pairs") == 0);
+  CHECK(report.at("flipped_triangles") == 0);
+  CHECK(report.at("converged") == true);
+  CHECK(report.at("stretch").at("sigma_max").at("p50").get<double>() == doctest::Approx(1).epsilon(1e-3));
+  CHECK(run("verify " + scratch.file("o.ply")).code == 0);
 }
 
 TEST_CASE("overlaps: energies fall from the map that the removal begins at to the one it ends at") {
