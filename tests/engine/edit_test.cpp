@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "engine/deform.hpp"
 #include "tests/support/shapes.hpp"
 
 using namespace planish;
@@ -64,6 +65,17 @@ TEST_CASE("edit: after moves of a pin the map is the one that a fresh editor fin
     CHECK(farthest(editor.uv(), fresh.uv()) < 1e-6);
     CHECK(editor.measure().flattening.certificate.flipped_triangles == 0);
   }
+}
+
+TEST_CASE("edit: a given map without flips is where the steps begin") {
+  const Scene scene;
+  std::vector<Vec2> sheared = scene.map;
+  for (Vec2& z : sheared) z.x += 0.4 * z.y;
+  const auto deformed = deform(scene.mesh.surface(), sheared, {}, {.edit = {}, .solve = kExact});
+  REQUIRE(deformed.has_value());
+  const std::vector<Iterate>& history = deformed->flattening.history;
+  CHECK(history.front().energy == doctest::Approx(deformed->facts.given_arap));
+  CHECK(history.back().energy < 0.1 * history.front().energy);
 }
 
 TEST_CASE("edit: a pin moved away and back leads back") {
