@@ -58,9 +58,8 @@ std::string unwelded_warning(const OpenedMesh& opened, const MeshFacts& facts) {
 std::string sizes_warning(const Flattening& flattening) {
   const std::vector<std::string>& names = flattening.up_to_scale;
   if (names.empty()) return "";
-  return fmt::format(
-      "the method {} keeps shapes, not their sizes: the scale of {} constraints is free (\"{}\")",
-      name(flattening.method), names.size(), fmt::join(names, "\", \""));
+  return fmt::format("the method {} keeps shapes, not their sizes: those of {} constraints are free (\"{}\")",
+                     name(flattening.method), names.size(), fmt::join(names, "\", \""));
 }
 
 }  // namespace planish

@@ -42,6 +42,8 @@ Result<void> check_options(const FlattenOptions& options) {
   if (options.max_iterations < 0) return fail(ErrorCode::BadUsage, "max_iterations must not be negative");
   if (options.threads < 0) return fail(ErrorCode::BadUsage, "threads must not be negative");
   if (options.memory_limit < 0) return fail(ErrorCode::BadUsage, "memory_limit must not be negative");
+  if (options.memory_limit > 0 && options.method == Method::Deform)
+    return fail(ErrorCode::BadUsage, "the method deform has no limit of memory: leave it out");
   for (const OptionOfArap& o : kOptions) {
     if (o.changed(options) && !uses_option(options.method, o.name))
       return fail(ErrorCode::BadUsage, std::string("the option ") + o.name +

@@ -69,17 +69,18 @@ def together(values, form=None):
 
 def row(program, name, mesh, constraints, folder):
     given_map = str(folder / "given.obj")
-    code, _ = run(program, "flatten", mesh, "-o", given_map)
+    flatten = ["flatten", mesh, "--overlaps", "report"]  # what is deformed: maps as rigid as they can be
+    code, _ = run(program, *flatten, "-o", given_map)
     cut = []
     if code == 4:
         cut = ["--cut", "auto"]
-        code, _ = run(program, "flatten", mesh, "-o", given_map, *cut)
+        code, _ = run(program, *flatten, "-o", given_map, *cut)
     if code not in (0, 6):
         return [name, f"free map: exit {code}"]
     count = count_vertices(given_map)
     map_free = read_uv(given_map, count)
     runs = {"held": ["deform", given_map], "free": ["deform", given_map, "--poses", "free", "--overlaps", "remove"],
-            "flat": ["flatten", mesh, *cut]}
+            "flat": [*flatten, *cut]}
     codes, seconds, reports, moved, verified = [], [], [], [], []
     for kind, command in runs.items():
         output, report = (str(folder / f"{kind}.{ext}") for ext in ("obj", "json"))

@@ -72,7 +72,7 @@ TEST_CASE("methods: regions keep their shapes exactly up to a factor, and what l
         R"({"name": "kept", "type": "region", "feature": "patch"}, {"type": "line", "feature": "south"})");
     const Ran ran = files.flatten("--method " + method);
     REQUIRE(ran.code == 0);
-    CHECK(has(ran.err, "the scale of 2 constraints is free (\"kept\", \"line south\")"));
+    CHECK(has(ran.err, "those of 2 constraints are free (\"kept\", \"line south\")"));
     const json report = files.report();
     CHECK(report.at("up_to_scale") == json({"kept", "line south"}));
     CHECK(worst_share(report) < 1);
@@ -157,6 +157,8 @@ TEST_CASE(
     CHECK(has(ran.err, option.substr(0, option.find(' ')) + " has no meaning with --method spectral"));
   }
   CHECK(files.flatten("--method deform --paper").code == 2);
+  CHECK(has(files.flatten("--method deform --memory-limit 1G").err, "has no limit of memory"));
+  CHECK(files.flatten("--method spectral --memory-limit 1G").code == 0);
   CHECK(files.flatten("--method deform --flips untangle --tolerance 1e-5").code == 0);
   const Ran unknown = files.flatten("--method angles");
   CHECK(unknown.code == 2);
