@@ -211,7 +211,8 @@ bool PoseGroup::move_to(In<double> y) {
     const Eigen::VectorXd change = solver.solve(-now.residual);
     const bool settled = residual <= kMet || step + 1 == kMoveSteps || change.cwiseAbs().maxCoeff() <= 1e-16;
     if (settled && residual <= kSmallEnough) {
-      dense_->tangent = dense_->along - dense_->across * solver.solve(now.derivative * dense_->along);
+      if (num_free() > 0)
+        dense_->tangent = dense_->along - dense_->across * solver.solve(now.derivative * dense_->along);
       return true;
     }
     if (!change.allFinite() || change.cwiseAbs().maxCoeff() > 1) return false;
