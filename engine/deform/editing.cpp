@@ -151,6 +151,11 @@ Result<void> Editing::factor() {
   if (!global) return fail(global.error());
   global_.emplace(std::move(*global));
   factored_for_ = nodes_.fixed;
+  ArapEnergy energy = piece_.energy(factored_for_);
+  energy.frame = rest().frame;
+  energy.cotangent = rest().cotangent;
+  energy.area = rest().area;
+  local_.emplace(exec_, energy);
   responses_.forget();
   return {};
 }

@@ -67,6 +67,7 @@ class Editing {
   Result<void> go_on(const SolveOptions& options, const Monitor& monitor, const StepSink& sink);
   Result<Minimum> follow(const SolveOptions& options, const Monitor& monitor, const StepSink& sink);
   Result<Minimum> follow_held(const SolveOptions& options, const Monitor& monitor);
+  Result<void> relax_near(In<Vec2> way);
   Result<Minimum> last_step(const SolveOptions& options, const Monitor& monitor);
   Result<Minimum> step_on_the_way(const SolveOptions& options, const Monitor& monitor, bool mending);
   Result<Minimum> minimise(const FlattenOptions& options, const Monitor& monitor, Mending mending,
@@ -130,6 +131,7 @@ class Editing {
   std::vector<Index> alone_;                // held in components that have neither
   std::vector<std::uint8_t> factored_for_;  // [V] what was held when the factor was made
   std::optional<GlobalPhase> global_;
+  std::optional<LocalPhase> local_;  // for the same
 
   std::vector<Vec2> uv_;  // [V] where the map is
   bool settled_ = false;  // at a minimum without flips, features held

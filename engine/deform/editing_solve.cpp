@@ -5,7 +5,6 @@
 #include "engine/flatten_steps.hpp"
 #include "engine/solve/flip_free.hpp"
 #include "engine/solve/map_energy.hpp"
-#include "engine/solve/quasi_newton.hpp"
 #include "engine/verify/certificate.hpp"
 #include "kernels/local/proxy.hpp"
 
@@ -15,9 +14,6 @@ namespace {
 /// A step on the way need not be exact: the next one begins there.
 constexpr double kWayTolerance = 1e-3;
 constexpr int kWayIterations = 20;
-
-/// A map that follows all but so much of what is held goes on from there; with more left, from a global step.
-constexpr double kFollows = 0.1;
 
 /// With features held untangling succeeds within some ten steps, or, where they leave no room between them, not at all.
 constexpr int kHeldUntanglingSteps = 30;
@@ -99,21 +95,8 @@ Result<Minimum> Editing::last_step(const SolveOptions& options, const Monitor& m
   if (options.poses == FeaturePoses::Free && has_features())
     return release(options, monitor, mending() == Mending::None ? Mending::None : Mending::AtEnd);
   if (settled_ && options.flips == Flips::Untangle) return follow_held(options, monitor);
+  responses_.forget();  // they go from one minimum to the next
   return minimise(flatten_options(options), monitor, mending());
-}
-
-/// From one minimum to the next, first as earlier ones let expect.
-Result<Minimum> Editing::follow_held(const SolveOptions& options, const Monitor& monitor) {
-  const std::vector<Vec2> before = uv_;
-  std::vector<Vec2> way;
-  for (const auto& [v, z] : nodes_.place) way.push_back(z - uv_[v]);
-  const bool follows = responses_.follow(way, uv_) < kFollows;
-  auto minimum = minimise(flatten_options(options), monitor, Mending::AtEnd, follows);
-  if (!minimum || !minimum->injective) return minimum;
-  std::vector<Vec2> response(before.size());
-  combine(exec_, {{1, minimum->uv}, {-1, before}}, response);
-  responses_.learn(std::move(way), std::move(response));
-  return minimum;
 }
 
 Result<Minimum> Editing::step_on_the_way(const SolveOptions& options, const Monitor& monitor, bool mending) {
@@ -132,6 +115,7 @@ Result<Minimum> Editing::minimise(const FlattenOptions& options, const Monitor& 
   std::vector<Vec2> near = uv_;
   for (const auto& [v, z] : nodes_.place) near[v] = z;
   ArapProblem arap = problem(*global_, nodes_, dof, rotation);
+  arap.local = &*local_;
   arap.near = near;
   // A map without flips is not given up for one that may have some.
   arap.begins_near = begins_near || (mending == Mending::Watched && is_injective(arap, near));

@@ -8,12 +8,14 @@
 namespace planish {
 namespace {
 
-/// One pin goes two ways; what is older says less of how the map is now.
-constexpr std::size_t kMostKnown = 4;
-/// A way that newer ones span but for so much of its length is left out.
-constexpr double kNew = 0.05;
+/// One pin has five terms up to second order; what is older says less of how the map is now.
+constexpr std::size_t kMostKnown = 6;
 /// Ways several times as long as those known are not guessed.
-constexpr double kMostCoefficient = 3;
+constexpr double kMostShare = 4;
+/// The second order is fitted with what freedom the first one leaves: its weight, which the first one pays for.
+constexpr double kSecondOrder = 1e-6;
+/// Of the largest pivot: what depends on the rest but for rounding.
+constexpr double kRidge = 1e-13;
 
 double product(In<Vec2> a, In<Vec2> b) {
   double sum = 0;
@@ -21,10 +23,20 @@ double product(In<Vec2> a, In<Vec2> b) {
   return sum;
 }
 
-double norm_of(In<Vec2> a) { return std::sqrt(product(a, a)); }
-
-void subtract(double scale, In<Vec2> b, Out<Vec2> a) {
-  for (std::size_t i = 0; i < a.size(); ++i) a[i] = a[i] - scale * b[i];
+/// Solves matrix x = rhs in place, matrix [n * n] symmetric positive definite.
+void solve_dense(std::vector<double>& matrix, std::vector<double>& rhs) {
+  const std::size_t n = rhs.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t i = k + 1; i < n; ++i) {
+      const double factor = matrix[i * n + k] / matrix[k * n + k];
+      for (std::size_t j = k; j < n; ++j) matrix[i * n + j] -= factor * matrix[k * n + j];
+      rhs[i] -= factor * rhs[k];
+    }
+  }
+  for (std::size_t k = n; k-- > 0;) {
+    for (std::size_t j = k + 1; j < n; ++j) rhs[k] -= matrix[k * n + j] * rhs[j];
+    rhs[k] /= matrix[k * n + k];
+  }
 }
 
 }  // namespace
@@ -35,43 +47,54 @@ void Responses::learn(std::vector<Vec2> held, std::vector<Vec2> map) {
   known_.insert(known_.begin(), {std::move(held), std::move(map)});
 }
 
-double Responses::follow(In<Vec2> held, Out<Vec2> uv) const {
-  const double length = norm_of(held);
-  if (!(length > 0)) return 0;
-  // Gram-Schmidt, newest first: way[k] = direction[k] + sum of share[k][j] direction[j] over the newer j that were taken.
-  std::vector<std::vector<Vec2>> direction;
-  std::vector<std::vector<double>> share;
-  std::vector<std::size_t> taken;
+/// How often each known change is added. The minima before this one have what is held at places q_j from here; sought are c_j
+/// with sum c_j q_j = held and, by least squares, sum c_j q_j q_j^T = held held^T. All that enters are products of places.
+std::vector<double> Responses::shares(In<Vec2> held, double second_order, double& left) const {
+  const std::size_t n = known_.size();
+  std::vector<std::vector<Vec2>> place;
+  std::vector<Vec2> at(held.size());
+  for (const Response& known : known_) {
+    for (std::size_t i = 0; i < at.size(); ++i) at[i] = at[i] - known.held[i];
+    place.push_back(at);
+  }
+  const double squared = product(held, held);
+  const auto kernel = [&](In<Vec2> a, In<Vec2> b) {
+    const double first = product(a, b) / squared;
+    return first + second_order * first * first;
+  };
+  std::vector<double> matrix(n * n), share(n);
+  double most = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) matrix[i * n + j] = kernel(place[i], place[j]);
+    share[i] = kernel(place[i], held);
+    most = std::max(most, matrix[i * n + i]);
+  }
+  for (std::size_t i = 0; i < n; ++i) matrix[i * n + i] += kRidge * most;
+  solve_dense(matrix, share);
   std::vector<Vec2> rest(held.begin(), held.end());
-  std::vector<double> along;
-  for (std::size_t k = 0; k < known_.size(); ++k) {
-    std::vector<Vec2> d = known_[k].held;
-    const double whole = product(d, d);
-    std::vector<double> shares;
-    for (const std::vector<Vec2>& newer : direction) {
-      shares.push_back(product(newer, d) / product(newer, newer));
-      subtract(shares.back(), newer, d);
-    }
-    const double own = product(d, d);
-    if (!(own > kNew * kNew * whole)) continue;
-    along.push_back(product(d, rest) / own);
-    subtract(along.back(), d, rest);
-    direction.push_back(std::move(d));
-    share.push_back(std::move(shares));
-    taken.push_back(k);
+  for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = rest[i] - share[j] * place[j][i];
   }
-  if (taken.empty()) return 1;
-  std::vector<Scaled> terms = {{1, uv}};
-  std::vector<double> coefficient = along;
-  for (std::size_t k = taken.size(); k-- > 0;) {
-    for (std::size_t j = k + 1; j < taken.size(); ++j) coefficient[k] -= share[j][k] * coefficient[j];
-    if (std::abs(coefficient[k]) > kMostCoefficient) return 1;
-    terms.push_back({coefficient[k], known_[taken[k]].map});
+  left = std::sqrt(product(rest, rest) / squared);
+  for (std::size_t j = n; j-- > 0;) share[j] = -share[j] + (j + 1 < n ? share[j + 1] : 0);
+  return share;
+}
+
+double Responses::follow(In<Vec2> held, Out<Vec2> uv) const {
+  if (!(product(held, held) > 0)) return 0;
+  if (known_.empty()) return 1;
+  for (const double second_order : {kSecondOrder, 0.0}) {
+    double left = 1;
+    const std::vector<double> share = shares(held, second_order, left);
+    if (!std::ranges::all_of(share, [](double s) { return std::abs(s) <= kMostShare; })) continue;
+    std::vector<Scaled> terms = {{1, uv}};
+    for (std::size_t k = 0; k < share.size(); ++k) terms.push_back({share[k], known_[k].map});
+    std::vector<Vec2> followed(uv.size());
+    combine(exec_, terms, followed);
+    std::ranges::copy(followed, uv.begin());
+    return left;
   }
-  std::vector<Vec2> followed(uv.size());
-  combine(exec_, terms, followed);
-  std::ranges::copy(followed, uv.begin());
-  return norm_of(rest) / length;
+  return 1;
 }
 
 }  // namespace planish

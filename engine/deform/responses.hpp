@@ -7,17 +7,20 @@
 
 namespace planish {
 
-/// Pairs of how far held vertices went and how far the whole map went with them, from one minimum to the next. To first order
-/// the second depends linearly on the first, so a new way of held vertices that earlier ones span is followed by their
-/// combination.
+/// Pairs of how far held vertices went and how far the whole map went with them, from one minimum to the next. The map depends
+/// smoothly on what is held, so where it goes next is extrapolated through the minima that were reached: exactly to first order
+/// in what is held as far as earlier ways span the new one, and to second order as far as there are enough of them (five for
+/// one pin).
 class Responses {
  public:
   explicit Responses(const Exec& exec) : exec_(exec) {}
 
-  /// held [any]: change of what is held, always in the same order;  map [V]: change of all vertices
+  /// held [any]: change of what is held, always in the same order;  map [V]: change of all vertices. Each begins where the one
+  /// learnt before ended.
   void learn(std::vector<Vec2> held, std::vector<Vec2> map);
   /// Adds to the map what the part of a change that earlier ones span lets expect.   held [any], uv [V] in and out
   /// Returns how much of the change is left, over its length; 1 where nothing is added.
+  /// Cost: reads the map's changes once.
   double follow(In<Vec2> held, Out<Vec2> uv) const;
   void forget() { known_.clear(); }
 
@@ -25,6 +28,8 @@ class Responses {
   struct Response {
     std::vector<Vec2> held, map;
   };
+  std::vector<double> shares(In<Vec2> held, double second_order, double& left) const;
+
   const Exec& exec_;
   std::vector<Response> known_;  // newest first
 };

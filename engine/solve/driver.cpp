@@ -47,7 +47,7 @@ class Iteration {
   Iteration(const Exec& exec, const ArapProblem& problem)
       : exec_(exec),
         problem_(problem),
-        local_(exec, problem.energy),
+        local_(problem.local ? *problem.local : own_local_.emplace(exec, problem.energy)),
         measure_(exec, problem.energy),
         quasi_newton_(exec, kQuasiNewtonMemory) {}
 
@@ -222,7 +222,8 @@ class Iteration {
 
   const Exec& exec_;
   const ArapProblem& problem_;
-  LocalPhase local_;
+  std::optional<LocalPhase> own_local_;
+  LocalPhase& local_;
   MapEnergy measure_;
   QuasiNewton quasi_newton_;
   DofMap* dof_ = nullptr;

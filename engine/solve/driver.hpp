@@ -42,7 +42,8 @@ struct ArapProblem {
   bool untangles_first_map =
       true;  ///< where the last map cannot be untangled; false: another problem is tried then
   const BoundaryBarrier* barrier =
-      nullptr;  ///< where flip-free steps must not make the boundary cross itself
+      nullptr;                  ///< where flip-free steps must not make the boundary cross itself
+  LocalPhase* local = nullptr;  ///< of that energy, where one is kept from solve to solve
   std::vector<std::uint8_t> turns_freely = {};  ///< per component: 1 where nothing says how it is turned
   bool constrained = false;
   bool newton_fits = true;  ///< memory allows Newton steps

@@ -35,8 +35,7 @@ double farthest(const Points& a, const Points& b) {
 
 }  // namespace
 
-TEST_CASE(
-    "responses: a linear map is followed exactly along ways that were gone before, in any combination") {
+TEST_CASE("responses: a linear map is followed along ways that were gone before, in any combination") {
   const Exec exec;
   Responses responses(exec);
   const Points ways[] = {{{1, 0}, {0, 0}}, {{1, 0.5}, {0, 0}}, {{0, 0}, {2, -1}}};
@@ -44,8 +43,8 @@ TEST_CASE(
   const Points way = {{0.3, -0.4}, {1, -0.5}};
   Points uv(5000, {7, 8}), wanted = linear(way, 5000);
   for (Vec2& z : wanted) z += Vec2{7, 8};
-  CHECK(responses.follow(way, uv) < 1e-15);
-  CHECK(farthest(uv, wanted) < 1e-13);
+  CHECK(responses.follow(way, uv) < 1e-4);
+  CHECK(farthest(uv, wanted) < 1e-4);
 }
 
 TEST_CASE("responses: of a way that is new in part that part is left") {
@@ -54,7 +53,7 @@ TEST_CASE("responses: of a way that is new in part that part is left") {
   responses.learn({{1, 0}}, linear({{1, 0}}, 10));
   Points uv(10), half = linear({{0.6, 0}}, 10);
   CHECK(responses.follow(Points{{0.6, 0.8}}, uv) == doctest::Approx(0.8));
-  CHECK(farthest(uv, half) < 1e-15);
+  CHECK(farthest(uv, half) < 1e-5);
 }
 
 TEST_CASE("responses: without anything learnt, after forgetting, and for far ways the map stays") {
@@ -69,13 +68,41 @@ TEST_CASE("responses: without anything learnt, after forgetting, and for far way
   CHECK(uv == Points(10));
 }
 
-TEST_CASE("responses: what was learnt last counts where ways repeat, and nothing held is nothing learnt") {
+TEST_CASE("responses: a map that bends with what is held is followed exactly once five ways are known") {
   const Exec exec;
   Responses responses(exec);
-  responses.learn({{1, 0}}, Points(10, {1, 1}));
-  responses.learn({{1, 0}}, Points(10, {2, 3}));
+  const auto map_at = [](Vec2 p) {
+    return Points{{p.x + 0.3 * p.x * p.x - 0.2 * p.x * p.y, p.y}, {0.5 * p.y * p.y, p.x - p.y + p.x * p.y}};
+  };
+  const auto between = [](const Points& to, const Points& from) {
+    Points change = to;
+    for (std::size_t v = 0; v < to.size(); ++v) change[v] = change[v] - from[v];
+    return change;
+  };
+  const Vec2 stops[] = {{0, 0}, {0.1, 0}, {0.1, 0.1}, {-0.05, 0.1}, {-0.1, -0.1}, {0.05, -0.1}};
+  double error = 1;
+  for (int k = 1; k < 6; ++k) {
+    const Vec2 from = stops[k - 1], to = stops[k];
+    responses.learn({to - from}, between(map_at(to), map_at(from)));
+    Points uv = map_at(to);
+    const Vec2 next{0.02, -0.03};
+    responses.follow(Points{next - to}, uv);
+    error = farthest(uv, map_at(next));
+    if (k == 2) CHECK(error > 1e-4);
+  }
+  CHECK(error < 1e-6);
+}
+
+TEST_CASE("responses: nothing held is nothing learnt, and what is oldest is forgotten") {
+  const Exec exec;
+  Responses responses(exec);
   responses.learn({{0, 0}}, Points(10, {9, 9}));
   Points uv(10);
-  CHECK(responses.follow(Points{{0.5, 0}}, uv) < 1e-15);
-  CHECK(uv == Points(10, {1, 1.5}));
+  CHECK(responses.follow(Points{{1, 0}}, uv) == 1);
+  responses.learn({{0, 1}}, Points(10, {1, 1}));
+  for (int k = 0; k < 6; ++k) responses.learn({{1, 0}}, Points(10, {1, 2}));
+  CHECK(responses.follow(Points{{0, 1}}, uv) == doctest::Approx(1));
+  CHECK(farthest(uv, Points(10)) < 1e-9);
+  CHECK(responses.follow(Points{{0.5, 0}}, uv) < 1e-8);
+  CHECK(farthest(uv, Points(10, {0.5, 1})) < 1e-8);
 }
