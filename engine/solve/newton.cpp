@@ -83,18 +83,22 @@ NewtonDirections::NewtonDirections(const Exec& exec, const ArapEnergy& energy, I
 std::vector<std::uint8_t> NewtonDirections::held_coordinates(In<Vec2> uv) const {
   const Index num_vertices = energy_.num_vertices();
   std::vector<std::uint8_t> held(2 * static_cast<std::size_t>(num_vertices), 0);
-  std::vector<Index> centre(num_components_, kNone), farthest(num_components_, kNone);
+  std::vector<Index> centre(num_components_, kNone), farthest(num_components_, kNone),
+      num_held(num_components_, 0);
   for (Index v = 0; v < num_vertices; ++v) {
     if (!energy_.fixed[v]) continue;
     held[2 * v] = held[2 * v + 1] = 1;
     centre[vertex_component_[v]] = farthest[vertex_component_[v]] = v;
+    ++num_held[vertex_component_[v]];
   }
   const auto distance = [&](Index v, Index k) { return norm(uv[v] - uv[centre[k]]); };
   for (Index v = 0; v < num_vertices; ++v) {
     const Index k = vertex_component_[v];
+    if (num_held[k] != 1) continue;
     if (distance(v, k) > distance(farthest[k], k)) farthest[k] = v;
   }
   for (Index k = 0; k < num_components_; ++k) {
+    if (num_held[k] != 1) continue;                    // two say how it is turned
     const Vec2 arm = uv[farthest[k]] - uv[centre[k]];  // a rotation moves its end by (-arm.y, arm.x)
     held[2 * farthest[k] + (std::abs(arm.y) >= std::abs(arm.x) ? 0 : 1)] = 1;
   }

@@ -23,10 +23,10 @@ class NewtonDirections {
   NewtonDirections(const Exec& exec, const ArapEnergy& energy, In<Index> vertex_order,
                    In<Index> vertex_component, Index num_components);
 
-  /// direction [V] out: -H^-1 force at uv; 0 at what is held (one vertex and one more coordinate a component,
-  /// so that translations and the rotation are fixed). Fails: OutOfMemory, FactorizationFailed.
-  /// Cost: one
-  /// or two factorizations, 4 times the size of the global phase's.
+  /// direction [V] out: -H^-1 force at uv; 0 at fixed vertices, and where a component has one alone at one more coordinate,
+  /// far from it, so that the rotation is fixed too.   Pre: every component has a fixed vertex.
+  /// Fails: OutOfMemory, FactorizationFailed.
+  /// Cost: one or two factorizations, 4 times the size of the global phase's.
   Result<void> direction(In<Vec2> uv, In<Vec2> force, Out<Vec2> direction);
 
  private:
