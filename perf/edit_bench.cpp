@@ -97,6 +97,22 @@ Case make_case(const Arguments& args) {
   return result;
 }
 
+/// One in the middle of the list that is not carried over a line: no map without flips follows it there while lines are held.
+std::size_t moved_pin(Case& scene) {
+  constexpr double kAway = 0.01;  // of the extent, five times as far as it goes
+  for (std::size_t pin = 4; pin < scene.pins().vertex.size(); ++pin) {
+    double nearest = kInfinity;
+    for (const Feature& feature : scene.embedding.features) {
+      for (const Index v : feature.vertex)
+        nearest = std::min(nearest, norm(scene.map[v] - scene.pins().uv[pin]));
+    }
+    if (nearest < kAway * scene.extent) continue;
+    fmt::print("pin {} moves, {:.3f} of the extent from the nearest line\n", pin, nearest / scene.extent);
+    return pin;
+  }
+  stop("every pin lies at a line");
+}
+
 MapEditor begun(const Case& scene, const Arguments& args) {
   MapEditor editor =
       value_of(MapEditor::begin(scene.embedding.surface(), scene.map, {.threads = args.threads}));
@@ -151,8 +167,9 @@ int main(int argc, char** argv) {
              start.flattening.mesh.triangles, first, start.flattening.iterations,
              start.flattening.certificate.flipped_triangles);
 
-  const Index vertex = scene.pins().vertex[4];
-  const Vec2 home = scene.pins().uv[4];
+  const std::size_t pin = moved_pin(scene);
+  const Index vertex = scene.pins().vertex[pin];
+  const Vec2 home = scene.pins().uv[pin];
   std::vector<double> seconds;
   for (int move = 1; move <= args.moves; ++move) {
     const Vec2 to = home + (0.002 * scene.extent) * Vec2{std::cos(2.0 * move), std::sin(2.0 * move)};
@@ -160,7 +177,7 @@ int main(int argc, char** argv) {
       check(editor->move_pin(vertex, to));
       check(editor->solve(options));
     }));
-    scene.pins().uv[4] = to;
+    scene.pins().uv[pin] = to;
     const Deformation now = editor->measure();
     fmt::print(
         "pin moved, {:.3f} s, {} iterations, {} flipped, worst residual {:.1e}\n", seconds.back(),
