@@ -85,7 +85,14 @@ Result<std::unique_ptr<ConstraintSystem>> Editing::compiled_system(const Monitor
 Result<void> Editing::move_pin(Index vertex, Vec2 uv) {
   if (!system_) return fail(ErrorCode::BadUsage, "there are no constraints, so no pin to move");
   auto moved = system_->move_pin(vertex, (1 / mesh().unit) * uv);
-  return moved ? timed(Phase::Start, {}, [&] { return place(); }) : moved;
+  if (!moved) return moved;
+  for (Constraint& constraint : set_.constraints) {
+    auto* pins = std::get_if<PinConstraint>(&constraint.rule);
+    for (std::size_t i = 0; pins != nullptr && i < pins->vertex.size(); ++i) {
+      if (pins->vertex[i] == vertex) pins->uv[i] = uv;
+    }
+  }
+  return timed(Phase::Start, {}, [&] { return place(); });
 }
 
 /// Components move as pins and directions ask, then each constrained element goes where it lies nearest.

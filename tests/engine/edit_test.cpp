@@ -67,6 +67,33 @@ TEST_CASE("edit: after moves of a pin the map is the one that a fresh editor fin
   }
 }
 
+TEST_CASE("edit: a pin carried over a line is where it was put, whatever had to be let go for it") {
+  const Mesh mesh = shapes::height_field(21, shapes::flat, 0);
+  std::vector<Vec2> map;
+  for (const Vec3 p : mesh.position) map.push_back({p.x, p.y});
+  std::vector<Feature> features = {{.name = "row"}};
+  for (Index k = 3; k < 18; ++k) features[0].vertex.push_back(5 * 21 + k);
+  PinConstraint pins{.vertex = {6 * 21 + 10, 4 * 21 + 5, 4 * 21 + 15}, .uv = {}};
+  for (const Index v : pins.vertex) pins.uv.push_back(map[v]);
+  ConstraintSet set;
+  LineConstraint line;
+  line.feature = "row";
+  set.features.push_back({.name = "row", .source = VertexSource{.vertex = features[0].vertex}});
+  set.constraints.push_back({.name = "line", .type = "line", .rule = line});
+  set.constraints.push_back({.name = "pins", .type = "pin", .rule = pins});
+  auto editor = MapEditor::begin(mesh.surface(), map);
+  REQUIRE(editor.has_value());
+  REQUIRE(editor->constrain({.set = &set, .features = &features}).has_value());
+  REQUIRE(editor->solve().has_value());
+  const Vec2 to = map[4 * 21 + 10];
+  REQUIRE(editor->move_pin(pins.vertex[0], to).has_value());
+  REQUIRE(editor->solve().has_value());
+  const Deformation after = editor->measure();
+  CHECK(norm(editor->uv()[pins.vertex[0]] - to) < 1e-12);
+  for (const ConstraintOutcome& outcome : after.flattening.constraints.outcome)
+    CHECK(outcome.residual < 1e-9);
+}
+
 TEST_CASE("edit: a given map without flips is where the steps begin") {
   const Scene scene;
   std::vector<Vec2> sheared = scene.map;
