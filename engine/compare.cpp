@@ -38,14 +38,22 @@ double share_of_allowed(const ConstraintOutcome& c) {
 }
 
 Result<std::vector<ComparedMethod>> compare(const Surface& surface, const Constraints& constraints,
-                                            const std::vector<Method>& methods, int threads,
+                                            const std::vector<Contender>& contenders, int threads,
                                             const Monitor& monitor) {
   using Clock = std::chrono::steady_clock;
   std::vector<ComparedMethod> rows;
-  for (const Method method : methods) {
-    ComparedMethod row{.method = method};
+  ConstraintSet none;
+  Constraints without = constraints;
+  if (constraints.set) {
+    none = *constraints.set;  // the outer loop stays the one that is asked for
+    none.constraints.clear();
+    without.set = &none;
+  }
+  for (const Contender& contender : contenders) {
+    ComparedMethod row{.contender = contender};
     const auto begin = Clock::now();
-    auto flat = flatten(surface, constraints, {.method = method, .threads = threads}, monitor);
+    auto flat = flatten(surface, contender.constrained ? constraints : without,
+                        {.method = contender.method, .threads = threads}, monitor);
     row.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     if (flat) {
       row.flattening = std::move(*flat);
