@@ -87,6 +87,9 @@ void add_compare(CLI::App& app, CompareArgs& args) {
          },
          "separated by commas, of unconstrained (arap without the constraints), " + method_names() + " [all]")
       ->delimiter(',');
+  app.add_option("--time-limit", args.time_limit,
+                 "seconds that each method may take, above 0; one that takes longer has no map [any]")
+      ->check(CLI::PositiveNumber);
   app.add_option("--width", args.width, "of compare.png, 200 to 8000 pixels")
       ->check(CLI::Range(200, 8000))
       ->capture_default_str();

@@ -34,7 +34,8 @@ struct FlattenArgs {
 struct CompareArgs {
   std::string mesh, constraints, folder;
   std::vector<Contender> contenders;
-  int width = 2400;  ///< of the sheet, pixels
+  int width = 2400;               ///< of the sheet, pixels
+  double time_limit = kInfinity;  ///< seconds a method
   bool repair = false;
   CutMode cut = CutMode::None;
 };

@@ -41,8 +41,8 @@ class CompareCommand {
   }
 
   Result<void> compare_all() {
-    auto rows =
-        compare(opened_.flat_surface(), opened_.constraints(), args_.contenders, common_.threads, monitor_);
+    auto rows = compare(opened_.flat_surface(), opened_.constraints(), args_.contenders, common_.threads,
+                        args_.time_limit, monitor_);
     if (!rows) return fail(files_.placed(rows.error()));
     rows_ = std::move(*rows);
     const auto mapped = std::ranges::find_if(rows_, &ComparedMethod::has_map);

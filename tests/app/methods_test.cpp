@@ -212,6 +212,21 @@ TEST_CASE("compare: ARAP without the constraints is a row of its own, at no more
         doctest::Approx(free.at("arap").get<double>()).epsilon(1e-6));
 }
 
+TEST_CASE("compare: a method that takes longer than it may has a row that says so, and no map") {
+  const Files files(dome(), R"({"type": "line", "feature": "south"})");
+  CHECK(files.compare("--methods arap,lscm --time-limit 1e-9").code == 6);
+  for (const std::string method : {"arap", "lscm"}) {
+    const json row = files.row(method);
+    CHECK(row.at("supported") == true);
+    CHECK(has(row.at("reason"), "stopped after"));
+    CHECK(row.at("arap").is_null());
+    CHECK_FALSE(std::filesystem::exists(files.d + "/" + method + ".ply"));
+  }
+  CHECK(files.compare("--methods arap,lscm --time-limit 1e9").code == 0);
+  CHECK(files.row("lscm").at("reason") == "");
+  CHECK(files.compare("--methods lscm --time-limit 0").code == 2);
+}
+
 TEST_CASE("compare: without a constraint file there is nothing to leave out") {
   const Files files(dome(), "");
   const Ran ran = run("compare " + files.in + " -o " + files.d + " --methods unconstrained,arap");
