@@ -25,21 +25,13 @@ class CompareCommand {
 
   Result<int> operator()() {
     return make_folder(args_.folder)
-        .and_then([&] { return open(); })
+        .and_then([&] { return open_mesh(exec_, files_, monitor_, stopwatch_, opened_, warnings_); })
         .and_then([&] { return compare_all(); })
         .and_then([&] { return write(); })
         .map([&] { return conclude(); });
   }
 
  private:
-  Result<void> open() {
-    auto opened = open_mesh(exec_, files_, monitor_, stopwatch_);
-    if (!opened) return fail(opened.error());
-    opened_ = std::move(*opened);
-    warnings_ = opened_.mesh().warnings;
-    return {};
-  }
-
   Result<void> compare_all() {
     auto rows = compare(opened_.flat_surface(), opened_.constraints(), args_.contenders, common_.threads,
                         args_.time_limit, monitor_);
