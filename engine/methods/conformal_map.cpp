@@ -290,6 +290,7 @@ std::array<Index, 2> far_pair(const Workpiece& piece, Index component) {
 }
 
 Result<MethodMap> pinned_conformal_map(const MapInput& input, const Monitor& monitor) {
+  if (auto checked = check_scale_groups(input); !checked) return fail(checked.error());
   if (input.dof) return PinnedMap(input, *input.dof, monitor)();
   const NodeMap nodes = find_nodes(input.piece.component, input.piece.topology().num_components);
   DofMap dof(nodes);

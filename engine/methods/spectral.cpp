@@ -259,6 +259,7 @@ class SpectralMap {
 }  // namespace
 
 Result<MethodMap> spectral_map(const MapInput& input, const Monitor& monitor) {
+  if (auto checked = check_scale_groups(input); !checked) return fail(checked.error());
   if (input.dof) return SpectralMap(input, *input.dof, monitor)();
   const NodeMap nodes = find_nodes(input.piece.component, input.piece.topology().num_components);
   DofMap dof(nodes);

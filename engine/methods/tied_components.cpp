@@ -1,5 +1,8 @@
 #include "engine/methods/tied_components.hpp"
 
+#include <map>
+#include <string>
+
 #include "engine/constraints/disjoint_sets.hpp"
 
 namespace planish {
@@ -20,6 +23,23 @@ std::vector<std::vector<Index>> tied_components(const MapInput& input) {
   std::vector<std::vector<Index>> groups(sets.count());
   for (Index k = 0; k < num_components; ++k) groups[label[k]].push_back(k);
   return groups;
+}
+
+Result<void> check_scale_groups(const MapInput& input) {
+  if (!input.system) return {};
+  std::map<std::string, Index> component_of;
+  for (const Body& body : input.system->compiled().bodies) {
+    if (body.scale_group.empty()) continue;
+    const Index component = input.piece.component[body.vertex.front()];
+    const auto [first, is_new] = component_of.emplace(body.scale_group, component);
+    if (!is_new && first->second != component)
+      return fail(constraint_error(
+          ErrorCode::ConstraintUnsupported, *input.view->set, body.constraint,
+          "the scale group \"" + body.scale_group +
+              "\" joins features of several components, whose sizes conformal maps choose each by itself; "
+              "give each component a group of its own, or use --method arap"));
+  }
+  return {};
 }
 
 }  // namespace planish

@@ -168,6 +168,21 @@ TEST_CASE("spectral: two relations between components give the least sum of thei
   }
 }
 
+TEST_CASE("lscm, spectral: a scale group over two components is refused, one within a component is not") {
+  for (const Method method : {Method::Lscm, Method::Spectral}) {
+    for (const bool over_both : {true, false}) {
+      Tied tied;
+      for (const int f : {0, over_both ? 2 : 1})
+        std::get<LineConstraint>(tied.set.constraints[f].rule).scale.group = "g";
+      FlattenOptions options;
+      options.method = method;
+      const auto flat = flatten(tied.mesh.surface(), {&tied.set, &tied.features}, options);
+      CHECK(flat.has_value() == !over_both);
+      if (!flat) CHECK(flat.error().code == ErrorCode::ConstraintUnsupported);
+    }
+  }
+}
+
 TEST_CASE("lscm: components without pins that two relations tie agree on an angle between their own") {
   Tied apart, tied;
   tied.relate("row0", "row1", 0);
