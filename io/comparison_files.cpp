@@ -95,15 +95,15 @@ std::string comparison_table(const std::vector<ComparedMethod>& rows, const Comp
 
 std::vector<std::string> model_caption(Index triangles) {
   return {"model", fmt::format("{} triangle{}", triangles, triangles == 1 ? "" : "s"),
-          "maps are turned to lie as it is seen"};
+          "maps lie as it is seen"};
 }
 
 std::vector<std::string> comparison_caption(const ComparedMethod& row) {
   const Certificate& c = row.flattening.certificate;
   return {name(row.contender), fmt::format("arap {:.3g}, conformal {:.3g}", c.arap, row.conformal),
           fmt::format("stretch {:.3g} \u2026 {:.3g}", c.sigma_min.min, c.sigma_max.max),
-          fmt::format("flipped {}, overwound {}, overlapping {}", c.flipped_triangles, c.overwound_vertices,
-                      c.overlapping_pairs)};
+          fmt::format("flipped {}, overwound {}", c.flipped_triangles, c.overwound_vertices),
+          fmt::format("overlapping {}", c.overlapping_pairs)};
 }
 
 }  // namespace planish
