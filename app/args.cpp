@@ -79,17 +79,35 @@ void add_compare(CLI::App& app, CompareArgs& args) {
          "--methods",
          [&args](const std::vector<std::string>& words) {
            for (const std::string& word : words) {
-             const auto method = method_of(word);
-             if (!method) throw CLI::ValidationError("--methods", method.error().what);
-             if (std::count(args.methods.begin(), args.methods.end(), *method) == 0)
-               args.methods.push_back(*method);
+             const auto contender = contender_of(word);
+             if (!contender) throw CLI::ValidationError("--methods", contender.error().what);
+             if (std::count(args.contenders.begin(), args.contenders.end(), *contender) == 0)
+               args.contenders.push_back(*contender);
            }
          },
-         "separated by commas, of " + method_names() + " [all]")
+         "separated by commas, of unconstrained (arap without the constraints), " + method_names() + " [all]")
       ->delimiter(',');
+  app.add_option("--time-limit", args.time_limit,
+                 "seconds that each method may take, above 0; one that takes longer has no map [any]")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--width", args.width, "of compare.png, 200 to 8000 pixels")
+      ->check(CLI::Range(200, 8000))
+      ->capture_default_str();
   app.add_flag("--repair", args.repair,
                "mend orientation, duplicates, degenerate triangles, split vertices first");
   add_cut(app, args.cut);
+}
+
+/// All of them where none is named.
+Result<void> complete_contenders(CompareArgs& args) {
+  const bool constrained = !args.constraints.empty();
+  if (args.contenders.empty()) {
+    if (constrained) args.contenders.push_back({Method::Arap, false});
+    for (const Method method : all_methods()) args.contenders.push_back({method, true});
+  }
+  if (constrained || std::ranges::all_of(args.contenders, &Contender::constrained)) return {};
+  return fail(ErrorCode::BadUsage,
+              "without -c no map has constraints: in --methods, ask for arap in place of unconstrained");
 }
 
 /// unsaid: what it is where nothing is said.
@@ -335,8 +353,10 @@ Result<Args> parse_args(int argc, const char* const* argv) {
   flatten.options.memory_limit = static_cast<std::int64_t>(flatten.memory_limit);
   deform.edit.threads = args.common.threads;
   if (chosen == flatten_app) args.command = flatten;
-  if (compare.methods.empty()) compare.methods = all_methods();
-  if (chosen == compare_app) args.command = compare;
+  if (chosen == compare_app) {
+    if (auto completed = complete_contenders(compare); !completed) return fail(completed.error());
+    args.command = compare;
+  }
   if (chosen == deform_app) args.command = deform;
   if (chosen == embed_app) args.command = embed;
   if (chosen == verify_app) args.command = verify;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/cut.hpp"
+#include "engine/model/comparison.hpp"
 #include "engine/model/error.hpp"
 #include "engine/model/options.hpp"
 #include "engine/sample/panels.hpp"
@@ -32,7 +33,9 @@ struct FlattenArgs {
 
 struct CompareArgs {
   std::string mesh, constraints, folder;
-  std::vector<Method> methods;
+  std::vector<Contender> contenders;
+  int width = 2400;               ///< of the sheet, pixels
+  double time_limit = kInfinity;  ///< seconds a method
   bool repair = false;
   CutMode cut = CutMode::None;
 };

@@ -25,24 +25,16 @@ class CompareCommand {
 
   Result<int> operator()() {
     return make_folder(args_.folder)
-        .and_then([&] { return open(); })
+        .and_then([&] { return open_mesh(exec_, files_, monitor_, stopwatch_, opened_, warnings_); })
         .and_then([&] { return compare_all(); })
         .and_then([&] { return write(); })
         .map([&] { return conclude(); });
   }
 
  private:
-  Result<void> open() {
-    auto opened = open_mesh(exec_, files_, monitor_, stopwatch_);
-    if (!opened) return fail(opened.error());
-    opened_ = std::move(*opened);
-    warnings_ = opened_.mesh().warnings;
-    return {};
-  }
-
   Result<void> compare_all() {
-    auto rows =
-        compare(opened_.flat_surface(), opened_.constraints(), args_.methods, common_.threads, monitor_);
+    auto rows = compare(opened_.flat_surface(), opened_.constraints(), args_.contenders, common_.threads,
+                        args_.time_limit, monitor_);
     if (!rows) return fail(files_.placed(rows.error()));
     rows_ = std::move(*rows);
     const auto mapped = std::ranges::find_if(rows_, &ComparedMethod::has_map);
@@ -65,15 +57,14 @@ class CompareCommand {
   }
 
   Result<void> write_map(const ComparedMethod& row) {
-    const std::string stem = in_folder(name(row.method));
+    const std::string stem = in_folder(name(row.contender));
     auto written = write_flattened(exec_, stem + ".ply", opened_.featured,
                                    opened_.cut ? &*opened_.cut : nullptr, row.flattening.uv, warnings_);
     if (!written) return written;
-    const std::vector<PlacedFeature> placed =
-        placed_features(opened_.flat_features(), row.flattening.constraints);
+    const std::vector<PlacedFeature> placed = features_on(row);
     return write_picture(exec_, stem + ".png", opened_.flat_surface(), row.flattening.uv,
                          row.flattening.certificate,
-                         {.title = file_name(args_.mesh) + ": " + name(row.method), .features = placed});
+                         {.title = file_name(args_.mesh) + ": " + name(row.contender), .features = placed});
   }
 
   Result<void> write_sheet() {
@@ -82,7 +73,7 @@ class CompareCommand {
     placed.reserve(rows_.size());
     for (const ComparedMethod& row : rows_) {
       if (!row.has_map()) continue;
-      placed.push_back(placed_features(opened_.flat_features(), row.flattening.constraints));
+      placed.push_back(features_on(row));
       maps.push_back({.uv = row.flattening.uv,
                       .certificate = &row.flattening.certificate,
                       .features = placed.back(),
@@ -90,7 +81,19 @@ class CompareCommand {
     }
     if (maps.empty()) return {};
     return write_picture_sheet(exec_, in_folder("compare.png"), opened_.flat_surface(), maps,
-                               {.width = 2400, .title = file_name(args_.mesh)});
+                               {.width = args_.width, .title = file_name(args_.mesh)},
+                               SheetModel{model_caption(opened_.flat_surface().num_triangles())});
+  }
+
+  /// Those of another map where this one has no constraints: all features where none has.
+  std::vector<PlacedFeature> features_on(const ComparedMethod& row) const {
+    const auto has_outcome = [](const ComparedMethod& r) {
+      return !r.flattening.constraints.outcome.empty();
+    };
+    const auto same = std::ranges::find_if(rows_, has_outcome);
+    if (same == rows_.end()) return all_placed(opened_.flat_features());
+    const ComparedMethod& from = has_outcome(row) ? row : *same;
+    return placed_features(opened_.flat_features(), from.flattening.constraints);
   }
 
   int conclude() {
@@ -102,17 +105,17 @@ class CompareCommand {
     const bool any = std::ranges::any_of(rows_, &ComparedMethod::has_map);
     if (common_.quiet) return any ? 0 : 6;
     say_mendings(opened_.featured.input.mendings);
-    fmt::print("{:<10} {:>11} {:>11} {:>9} {:>9} {:>8} {:>9} {:>11} {:>8}\n", "method", "arap", "conformal",
+    fmt::print("{:<13} {:>11} {:>11} {:>9} {:>9} {:>8} {:>9} {:>11} {:>8}\n", "method", "arap", "conformal",
                "s2 min", "s1 max", "flipped", "overwound", "overlapping", "seconds");
     for (const ComparedMethod& row : rows_) {
       const Certificate& c = row.flattening.certificate;
       if (row.has_map()) {
-        fmt::print("{:<10} {:>11.4e} {:>11.4e} {:>9.4f} {:>9.4f} {:>8} {:>9} {:>11} {:>8.2f}{}\n",
-                   name(row.method), c.arap, row.conformal, c.sigma_min.min, c.sigma_max.max,
+        fmt::print("{:<13} {:>11.4e} {:>11.4e} {:>9.4f} {:>9.4f} {:>8} {:>9} {:>11} {:>8.2f}{}\n",
+                   name(row.contender), c.arap, row.conformal, c.sigma_min.min, c.sigma_max.max,
                    c.flipped_triangles, c.overwound_vertices, c.overlapping_pairs, row.seconds,
                    row.flattening.up_to_scale.empty() ? "" : "  sizes free");
       } else {
-        fmt::print("{:<10} {}: {}\n", name(row.method), row.supported ? "failed" : "not supported",
+        fmt::print("{:<13} {}: {}\n", name(row.contender), row.supported ? "failed" : "not supported",
                    row.reason);
       }
     }

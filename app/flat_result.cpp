@@ -75,6 +75,13 @@ std::vector<PlacedFeature> placed_features(const std::vector<Feature>& features,
   return placed;
 }
 
+std::vector<PlacedFeature> all_placed(const std::vector<Feature>& features) {
+  std::vector<PlacedFeature> placed;
+  for (const Feature& f : features)
+    placed.push_back({f.name, f.vertex, f.closed, f.triangle, PlacedFeature::Ideal::None, f.length});
+  return placed;
+}
+
 void say_constraints(const ConstraintFacts& constraints) {
   const std::vector<ConstraintOutcome>& outcome = constraints.outcome;
   if (outcome.empty()) return;

@@ -20,6 +20,9 @@ Result<void> write_flattened(const Exec& exec, const std::string& path, const Fe
 std::vector<PlacedFeature> placed_features(const std::vector<Feature>& features,
                                            const ConstraintFacts& constraints);
 
+/// All features, whatever was asked of them.
+std::vector<PlacedFeature> all_placed(const std::vector<Feature>& features);
+
 // ---- on the terminal; `mesh` is its file ----
 
 /// How many constraints are met, and the worst of them.

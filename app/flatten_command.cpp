@@ -36,19 +36,11 @@ class FlattenCommand {
                           {args_.flat, {"ply", "obj"}},
                           {args_.picture, {"png", "svg"}},
                           {args_.report, {}}})
-        .and_then([&] { return open(); })
+        .and_then([&] { return open_mesh(exec_, files_, monitor_, stopwatch_, opened_, warnings_); })
         .and_then([&] { return args_.dry_run ? look_ahead() : solve_and_write(); });
   }
 
  private:
-  Result<void> open() {
-    auto opened = open_mesh(exec_, files_, monitor_, stopwatch_);
-    if (!opened) return fail(opened.error());
-    opened_ = std::move(*opened);
-    warnings_ = opened_.mesh().warnings;
-    return {};
-  }
-
   Result<int> solve_and_write() {
     return solve()
         .and_then([&] { return find_price(); })

@@ -28,6 +28,12 @@ Result<Method> method_of(const std::string& word) {
   return fail(ErrorCode::BadUsage, "there is no method \"" + word + "\": " + method_names());
 }
 
+Result<Contender> contender_of(const std::string& word) {
+  const Contender without{Method::Arap, false};
+  if (word == name(without)) return without;
+  return method_of(word).map([](Method method) { return Contender{method, true}; });
+}
+
 void add_method(CLI::App& app, Method& method) {
   std::map<std::string, Method> methods;
   for (const Method m : all_methods()) methods.emplace(name(m), m);

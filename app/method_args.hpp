@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/model/comparison.hpp"
 #include "engine/model/error.hpp"
 #include "engine/model/options.hpp"
 
@@ -21,6 +22,9 @@ std::string method_names();
 
 /// The method of a name.   Fails: BadUsage, listing the names.
 Result<Method> method_of(const std::string& word);
+
+/// A method of compare: as above, or "unconstrained".
+Result<Contender> contender_of(const std::string& word);
 
 void add_method(CLI::App& app, Method& method);
 

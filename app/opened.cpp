@@ -22,8 +22,10 @@ Error OpenedFiles::placed(const Error& error) const {
   return in_file(error, error.place.pointer.empty() ? mesh : constraints);
 }
 
-Result<OpenedMesh> open_mesh(const Exec& exec, const OpenedFiles& files, const Monitor& monitor,
-                             Stopwatch& stopwatch) {
+namespace {
+
+Result<OpenedMesh> read_and_cut(const Exec& exec, const OpenedFiles& files, const Monitor& monitor,
+                                Stopwatch& stopwatch) {
   auto featured = read_featured(exec, files.mesh, files.constraints, files.repair, monitor, stopwatch);
   if (!featured) return fail(featured.error());
   OpenedMesh result{.featured = std::move(*featured),
@@ -45,6 +47,16 @@ Result<OpenedMesh> open_mesh(const Exec& exec, const OpenedFiles& files, const M
   if (!parted) return fail(in_file(parted.error(), files.constraints));
   result.parted = std::move(*parted);
   return result;
+}
+
+}  // namespace
+
+Result<void> open_mesh(const Exec& exec, const OpenedFiles& files, const Monitor& monitor,
+                       Stopwatch& stopwatch, OpenedMesh& opened, std::vector<std::string>& warnings) {
+  return read_and_cut(exec, files, monitor, stopwatch).map([&](OpenedMesh mesh) {
+    opened = std::move(mesh);
+    warnings = opened.mesh().warnings;
+  });
 }
 
 std::string unwelded_warning(const OpenedMesh& opened, const MeshFacts& facts) {

@@ -31,9 +31,9 @@ struct OpenedFiles {
   Error placed(const Error& error) const;
 };
 
-/// Reads, embeds and cuts.   Errors name the file at fault.
-Result<OpenedMesh> open_mesh(const Exec& exec, const OpenedFiles& files, const Monitor& monitor,
-                             Stopwatch& stopwatch);
+/// Reads, embeds and cuts.   opened, warnings: out, both as they were where it fails.   Errors name the file at fault.
+Result<void> open_mesh(const Exec& exec, const OpenedFiles& files, const Monitor& monitor,
+                       Stopwatch& stopwatch, OpenedMesh& opened, std::vector<std::string>& warnings);
 
 /// Vertices at one position that are several: the components there may be meant as one surface. "": there are none.
 std::string unwelded_warning(const OpenedMesh& opened, const MeshFacts& facts);

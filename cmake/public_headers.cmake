@@ -41,4 +41,5 @@ target_sources(planish PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} F
   io/placed_feature.hpp
   io/report_json.hpp
   io/report_read.hpp
-  io/sample_features_json.hpp)
+  io/sample_features_json.hpp
+  io/view.hpp)

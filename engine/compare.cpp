@@ -1,5 +1,7 @@
 #include "engine/compare.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 
@@ -38,21 +40,38 @@ double share_of_allowed(const ConstraintOutcome& c) {
 }
 
 Result<std::vector<ComparedMethod>> compare(const Surface& surface, const Constraints& constraints,
-                                            const std::vector<Method>& methods, int threads,
-                                            const Monitor& monitor) {
+                                            const std::vector<Contender>& contenders, int threads,
+                                            double time_limit, const Monitor& monitor) {
   using Clock = std::chrono::steady_clock;
   std::vector<ComparedMethod> rows;
-  for (const Method method : methods) {
-    ComparedMethod row{.method = method};
+  ConstraintSet none;
+  Constraints without = constraints;
+  if (constraints.set) {
+    none = *constraints.set;  // the outer loop stays the one that is asked for
+    none.constraints.clear();
+    without.set = &none;
+  }
+  for (const Contender& contender : contenders) {
+    ComparedMethod row{.contender = contender};
     const auto begin = Clock::now();
-    auto flat = flatten(surface, constraints, {.method = method, .threads = threads}, monitor);
-    row.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
+    bool is_late = false;
+    const Monitor limited = [&](const Progress& progress) {
+      if (monitor && monitor(progress) == Verdict::Stop) return Verdict::Stop;
+      is_late = elapsed() > time_limit;
+      return is_late ? Verdict::Stop : Verdict::Continue;
+    };
+    auto flat = flatten(surface, contender.constrained ? constraints : without,
+                        {.method = contender.method, .threads = threads}, limited);
+    row.seconds = elapsed();
     if (flat) {
       row.flattening = std::move(*flat);
       row.conformal = conformal_of(surface, row.flattening.uv);
       const std::vector<ConstraintOutcome>& outcome = row.flattening.constraints.outcome;
       const auto worst = std::ranges::max_element(outcome, {}, share_of_allowed);
       if (worst != outcome.end()) row.worst_residual = worst->residual;
+    } else if (is_late) {
+      row.reason = fmt::format("stopped after {:.1f} of {:g} seconds", row.seconds, time_limit);
     } else if (concerns_all(flat.error())) {
       return fail(flat.error());
     } else {

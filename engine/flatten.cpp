@@ -215,6 +215,7 @@ class Run {
       if (!map) return fail(map.error());
       uv_ = std::move(map->uv);
       result_.iterations = map->iterations;
+      result_.intrinsic = map->intrinsic;
       result_.converged = true;
       result_.removal.method = Flips::Keep;
       result_.mesh.outer = piece_.outer_loop;

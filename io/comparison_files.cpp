@@ -21,7 +21,7 @@ Json row_json(const ComparedMethod& row) {
   if (row.has_map()) {
     for (const auto& [figure, value] : named_figures(c.benchmark)) benchmark[figure] = number(value);
   }
-  return {{"method", name(row.method)},
+  return {{"method", name(row.contender)},
           {"supported", row.supported},
           {"reason", row.reason},
           {"arap", number(c.arap)},
@@ -47,13 +47,18 @@ std::string in_cell(std::string words) {
   return words;
 }
 
+const char* constraints_word(const ComparedMethod& row) {
+  if (!row.contender.constrained) return "none";
+  return row.flattening.up_to_scale.empty() ? "yes" : "up to scale";
+}
+
 std::string table_row(const ComparedMethod& row) {
   if (!row.has_map())
-    return fmt::format("| {} | {} | | | | | | | | | | {:.2f} |\n", name(row.method),
+    return fmt::format("| {} | {} | | | | | | | | | | {:.2f} |\n", name(row.contender),
                        row.supported ? "failed" : "not supported", row.seconds);
   const Certificate& c = row.flattening.certificate;
-  return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.2f} |\n", name(row.method),
-                     row.flattening.up_to_scale.empty() ? "yes" : "up to scale", short_number(c.arap),
+  return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.2f} |\n",
+                     name(row.contender), constraints_word(row), short_number(c.arap),
                      short_number(c.symmetric_dirichlet), short_number(row.conformal),
                      short_number(c.sigma_max.max), short_number(c.sigma_min.min), c.flipped_triangles,
                      c.overwound_vertices, c.overlapping_pairs,
@@ -83,17 +88,22 @@ std::string comparison_table(const std::vector<ComparedMethod>& rows, const Comp
       "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
   for (const ComparedMethod& row : rows) text += table_row(row);
   for (const ComparedMethod& row : rows) {
-    if (!row.has_map()) text += fmt::format("\n{}: {}\n", name(row.method), in_cell(row.reason));
+    if (!row.has_map()) text += fmt::format("\n{}: {}\n", name(row.contender), in_cell(row.reason));
   }
   return text;
 }
 
+std::vector<std::string> model_caption(Index triangles) {
+  return {"model", fmt::format("{} triangle{}", triangles, triangles == 1 ? "" : "s"),
+          "maps lie as it is seen"};
+}
+
 std::vector<std::string> comparison_caption(const ComparedMethod& row) {
   const Certificate& c = row.flattening.certificate;
-  return {name(row.method), fmt::format("arap {:.3g}, conformal {:.3g}", c.arap, row.conformal),
+  return {name(row.contender), fmt::format("arap {:.3g}, conformal {:.3g}", c.arap, row.conformal),
           fmt::format("stretch {:.3g} \u2026 {:.3g}", c.sigma_min.min, c.sigma_max.max),
-          fmt::format("flipped {}, overwound {}, overlapping {}", c.flipped_triangles, c.overwound_vertices,
-                      c.overlapping_pairs)};
+          fmt::format("flipped {}, overwound {}", c.flipped_triangles, c.overwound_vertices),
+          fmt::format("overlapping {}", c.overlapping_pairs)};
 }
 
 }  // namespace planish

@@ -20,6 +20,9 @@ std::string comparison_json(const std::vector<ComparedMethod>& rows, const Compa
 /// GitHub's Markdown: a table, and below it why methods have no map and which kept shapes but not sizes.
 std::string comparison_table(const std::vector<ComparedMethod>& rows, const ComparisonContext& context);
 
+/// What stands above the model on the sheet.
+std::vector<std::string> model_caption(Index triangles);
+
 /// What stands above a map on the sheet.
 std::vector<std::string> comparison_caption(const ComparedMethod& row);
 

@@ -181,7 +181,7 @@ void draw_features(const Exec& exec, Canvas& canvas, In<PlacedFeature> features,
       draw_chain(canvas, drawn[i].line, features[i].closed, feature_colour(i), unit);
   }
   draw_ideals(canvas, drawn, unit);
-  draw_names(canvas, features, drawn, panel);
+  if (panel.named) draw_names(canvas, features, drawn, panel);
 }
 
 void draw_list_of(Canvas& canvas, In<PlacedFeature> features, Vec2 corner, double width, double unit) {

@@ -19,6 +19,7 @@ struct FlatPanel {
   Vec2 corner;              ///< upper left, pixels of the page
   int height = 0;           ///< pixels
   int page_width = 0;       ///< pixels
+  bool named = true;        ///< whether names are drawn
 
   double unit() const { return page_width / 1600.0; }
 };

@@ -11,6 +11,7 @@
 #include "io/file.hpp"
 #include "io/flat_features.hpp"
 #include "io/legend.hpp"
+#include "io/model_panel.hpp"
 #include "io/outline.hpp"
 #include "io/page.hpp"
 #include "io/raster.hpp"
@@ -209,6 +210,29 @@ void draw_captions(Canvas& canvas, const Layout& layout, In<Caption> captions) {
   }
 }
 
+void draw_seen_model(const Exec& exec, Canvas& canvas, const Layout& layout, const SeenModel& model) {
+  const Vec2 from = layout.to_panel({model.lower.x, model.upper.y}) + layout.panel_corner,
+             to = layout.to_panel({model.upper.x, model.lower.y}) + layout.panel_corner;
+  ModelPanel panel;
+  panel.corner_vertex = model.surface.corner_vertex;
+  panel.corner = {std::floor(from.x), std::floor(from.y)};
+  panel.width = std::max(1, static_cast<int>(std::ceil(to.x - panel.corner.x)));
+  panel.height = std::max(1, static_cast<int>(std::ceil(to.y - panel.corner.y)));
+  panel.unit = layout.unit;
+  const Vec2 aside{0.25 * layout.unit * kMargin, 0.25 * layout.unit * kMargin};
+  panel.names = {from - aside, to + aside};
+  panel.point = seen_from(exec, model.view, model.surface.position);
+  const Vec3 lower = seen_box(model.surface, panel.point).lower;
+  exec.for_blocks(static_cast<Index>(panel.point.size()), kBlock, [&](Index, Range r) {
+    for (Index v = r.begin; v < r.end; ++v) {
+      const Vec3 q = layout.pixels_a_unit * (panel.point[v] - lower);
+      panel.point[v] = {std::clamp(from.x - panel.corner.x + q.x, 0.0, double(panel.width)),
+                        std::clamp(to.y - panel.corner.y - q.y, 0.0, double(panel.height)), q.z};
+    }
+  });
+  draw_model(exec, canvas, model.features, panel);
+}
+
 }  // namespace
 
 UvBox UvBox::with(In<Index> corner_vertex, In<Vec2> uv) const {
@@ -230,6 +254,9 @@ Result<void> write_picture(const Exec& exec, const std::string& path, const Surf
     auto checked = check_features(copy, surface.num_vertices(), surface.num_triangles());
     if (!checked) return checked;
   }
+  if (options.model) {
+    if (auto checked = check_model(options.model->surface, options.model->features); !checked) return checked;
+  }
   const UvBox panel = UvBox().with(surface.corner_vertex, uv);
   UvBox box = options.window.value_or(UvBox()).with(surface.corner_vertex, uv);
   if (surface.num_triangles() == 0 && !options.window) box = {{}, {}};
@@ -248,7 +275,9 @@ Result<void> write_picture(const Exec& exec, const std::string& path, const Surf
   canvas.fill_rectangle({}, {double(layout.width), double(layout.height)}, kPaper);
   draw_field(canvas, layout, raster, make_wireframe(exec, outline, point, corner_vertex));
   draw_boundary(canvas, layout, outline, point, raster);
-  const FlatPanel flat{corner_vertex, point, layout.panel_corner, layout.panel_height, layout.width};
+  if (options.model) draw_seen_model(exec, canvas, layout, *options.model);
+  const FlatPanel flat{corner_vertex,       point,        layout.panel_corner,
+                       layout.panel_height, layout.width, options.named};
   for (const auto& copy : options.copies) draw_features(exec, canvas, copy, flat);
   draw_features(exec, canvas, options.features, flat);
   mark_flips(canvas, layout, certificate.flipped, corner_vertex, point);

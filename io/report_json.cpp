@@ -262,6 +262,9 @@ std::string report_json(const Flattening& flattening, const ReportContext& conte
   Json report = head(context);
   report["method"] = name(flattening.method);
   if (!flattening.up_to_scale.empty()) report["up_to_scale"] = flattening.up_to_scale;
+  if (const auto& intrinsic = flattening.intrinsic)
+    report["intrinsic"] = {{"moved_edges", intrinsic->moved_edges},
+                           {"angle_defect", intrinsic->angle_defect}};
   report["mesh"] = mesh_facts(flattening.mesh);
   if (parts.embedding != nullptr) add_embedding(report, *parts.embedding);
   if (parts.cut != nullptr) add_cut(report, *parts.cut);

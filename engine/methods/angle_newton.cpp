@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/methods/angle_border.hpp"
 #include "engine/methods/angle_system.hpp"
 
 namespace planish {

@@ -1,10 +1,8 @@
 // The linear system of a Newton step of angle-based flattening.
 #pragma once
 
-#include <memory>
-
-#include "engine/exec/parallel.hpp"
-#include "engine/methods/angle_newton.hpp"
+#include "engine/methods/angle_blocks.hpp"
+#include "engine/methods/angle_factor.hpp"
 
 namespace planish {
 
@@ -13,9 +11,6 @@ namespace planish {
 class AngleSystem {
  public:
   AngleSystem(const Exec& exec, const AngleProblem& problem);
-  ~AngleSystem();
-  AngleSystem(const AngleSystem&) = delete;
-  AngleSystem& operator=(const AngleSystem&) = delete;
 
   /// Linearises at angles [3 T], which must outlive the solve, with the multipliers [rows] of the step before.
   /// exact: the Lagrangian's Hessian as it is; else made definite triangle by triangle.
@@ -25,14 +20,13 @@ class AngleSystem {
   /// multiplier [rows], long_multiplier [long rows], step [3 T] out.   Pre: factor() succeeded.
   /// Fails: ConstraintsConflict (ids: relations) where long rows contradict one another; FactorizationFailed where that is
   /// found in an exact system, which may be singular otherwise.
-  Result<void> solve(Out<double> multiplier, Out<double> long_multiplier, Out<double> step);
+  Result<void> solve(Out<double> multiplier, Out<double> long_multiplier, Out<double> step) const;
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  const AngleProblem& problem_;
+  AngleBlocks blocks_;
+  AngleFactor factor_;
+  bool exact_ = false;
 };
-
-/// Sum of a long row's terms.
-double along(const LongAngleRow& row, In<double> values);
 
 }  // namespace planish

@@ -1,46 +1,58 @@
 #include "engine/methods/conformal_map.hpp"
 
 #include <algorithm>
+#include <Eigen/Dense>
 
 #include "engine/methods/at_rest.hpp"
 #include "engine/methods/conformal_system.hpp"
+#include "engine/methods/tied_components.hpp"
 #include "engine/solve/quasi_newton.hpp"
 
 namespace planish {
 namespace {
+
+constexpr double kSpring = 1;  // between the two vertices of a pair, so that the Hessian is definite
 
 /// What a component that its pins do not hold is given: the difference of two images.
 struct Pair {
   Index component = kNone;
   std::array<Index, 2> vertex;
   Vec2 difference;
-  bool directed = false;  ///< only its part along the difference is given
+  bool directed = false;  ///< only its length is given
 };
 
-std::vector<Pair> choose_pairs(const MapInput& input) {
-  const Index num_components = input.piece.topology().num_components;
-  std::vector<Index> pins(num_components, 0);
+/// Of components that are tied to one another one keeps its direction, the others turn with it.
+std::vector<std::vector<Pair>> choose_pairs(const MapInput& input) {
+  std::vector<Index> pins(input.piece.topology().num_components, 0);
   if (input.system) {
     for (const Pin& pin : input.system->pins()) ++pins[input.piece.component[pin.vertex]];
   }
-  std::vector<Pair> pairs;
-  for (Index k = 0; k < num_components; ++k) {
-    if (pins[k] > 1) continue;
-    Pair pair{.component = k, .vertex = far_pair(input.piece, k), .difference = {}};
-    const auto& position = input.piece.mesh().position;
-    pair.difference = {norm(position[pair.vertex[1]] - position[pair.vertex[0]]), 0};
-    if (input.system) {
-      pair.difference = input.first[pair.vertex[1]] - input.first[pair.vertex[0]];
-      pair.directed = input.system->directed()[k];
+  const auto has_direction = [&](Index k) {
+    return pins[k] > 1 || (input.system && input.system->directed()[k]);
+  };
+  const auto& position = input.piece.mesh().position;
+  std::vector<std::vector<Pair>> groups;
+  for (const std::vector<Index>& tied : tied_components(input)) {
+    bool directed = std::ranges::any_of(tied, has_direction);
+    std::vector<Pair> pairs;
+    for (const Index k : tied) {
+      if (pins[k] > 1) continue;
+      Pair pair{.component = k, .vertex = far_pair(input.piece, k), .difference = {}, .directed = directed};
+      directed = true;
+      pair.difference = {norm(position[pair.vertex[1]] - position[pair.vertex[0]]), 0};
+      if (input.system) pair.difference = input.first[pair.vertex[1]] - input.first[pair.vertex[0]];
+      pairs.push_back(pair);
     }
-    pairs.push_back(pair);
+    if (!pairs.empty()) groups.push_back(std::move(pairs));
   }
-  return pairs;
+  return groups;
 }
 
-std::vector<ConformalEnergy::Spring> springs_of(const std::vector<Pair>& pairs) {
+std::vector<ConformalEnergy::Spring> springs_of(const std::vector<std::vector<Pair>>& groups) {
   std::vector<ConformalEnergy::Spring> springs;
-  for (const Pair& pair : pairs) springs.push_back({pair.vertex[0], pair.vertex[1], 1});
+  for (const std::vector<Pair>& pairs : groups) {
+    for (const Pair& pair : pairs) springs.push_back({pair.vertex[0], pair.vertex[1], kSpring});
+  }
   return springs;
 }
 
@@ -50,8 +62,8 @@ class PinnedMap {
       : input_(input),
         dof_(dof),
         monitor_(monitor),
-        pairs_(choose_pairs(input)),
-        energy_(input.exec, input.piece, springs_of(pairs_)),
+        groups_(choose_pairs(input)),
+        energy_(input.exec, input.piece, springs_of(groups_)),
         system_(input.exec, input.piece, energy_, dof) {}
 
   Result<MethodMap> operator()() {
@@ -97,11 +109,11 @@ class PinnedMap {
       for (Vec2& f : force) f = -f;
       system_.solve(force, change);
     }
-    // Components do not touch one another unless directions are tied between them.
+    // Groups do not touch one another.
     if (dof_.poses()) {
-      for (const Pair& pair : pairs_) meet(In<Pair>(&pair, 1), change);
-    } else if (!pairs_.empty()) {
-      meet(pairs_, change);
+      for (const std::vector<Pair>& pairs : groups_) meet_tied(pairs, change);
+    } else if (!groups_.empty()) {
+      meet_apart(change);
     }
     if (!dof_.poses()) return take(change, 1);
     std::vector<Vec2> moved = system_.displacement(change);
@@ -124,12 +136,70 @@ class PinnedMap {
     return relaxation_;
   }
 
-  /// Adds to a change what makes the pairs' differences those given: multipliers at both ends.
-  void meet(In<Pair> pairs, std::vector<Vec2>& change) {
-    std::vector<Vec2> along_u(dof_.size()), along_v(dof_.size()), by_u(dof_.size()), by_v(dof_.size());
+  static Vec2 difference(const Pair& pair, In<Vec2> z) { return z[pair.vertex[1]] - z[pair.vertex[0]]; }
+
+  /// Part of a pair's difference that is given; or that is free, and only the pair's spring in the Hessian holds it, which is
+  /// taken back.
+  struct Condition {
+    const Pair* pair;
+    Vec2 along;
+    double target;
+    double compliance = 0;  // of the spring
+  };
+  std::vector<Condition> conditions_of(const std::vector<Pair>& pairs) const {
+    std::vector<Condition> conditions;
     for (const Pair& pair : pairs) {
-      along_u[pair.vertex[0]].x = along_v[pair.vertex[0]].y = -1;
-      along_u[pair.vertex[1]].x = along_v[pair.vertex[1]].y = 1;
+      const Vec2 now = difference(pair, x_);
+      if (pair.directed) {
+        const Vec2 along = (1 / norm(now)) * now, across{-along.y, along.x};
+        conditions.push_back({&pair, along, norm(pair.difference)});
+        conditions.push_back({&pair, across, dot(across, now), 1 / kSpring});
+      } else {
+        conditions.push_back({&pair, {1, 0}, pair.difference.x});
+        conditions.push_back({&pair, {0, 1}, pair.difference.y});
+      }
+    }
+    return conditions;
+  }
+
+  /// Adds to a change what makes the differences of pairs in tied components those given: multipliers at all their ends.
+  void meet_tied(const std::vector<Pair>& pairs, std::vector<Vec2>& change) const {
+    const std::vector<Condition> conditions = conditions_of(pairs);
+    const auto size = static_cast<Index>(conditions.size());
+    std::vector<std::vector<Vec2>> response(size, std::vector<Vec2>(dof_.size()));
+    Eigen::MatrixXd matrix(size, size);
+    for (Index j = 0; j < size; ++j) {
+      std::vector<Vec2> force(dof_.size());
+      force[conditions[j].pair->vertex[0]] = -conditions[j].along;
+      force[conditions[j].pair->vertex[1]] = conditions[j].along;
+      clear_fixed(force);
+      dof_.fold(force);
+      system_.solve(force, response[j]);
+      const std::vector<Vec2> moved = system_.displacement(response[j]);
+      for (Index i = 0; i < size; ++i)
+        matrix(i, j) = dot(conditions[i].along, difference(*conditions[i].pair, moved));
+      matrix(j, j) -= conditions[j].compliance;
+    }
+    const std::vector<Vec2> moved = system_.displacement(change);
+    Eigen::VectorXd missing(size);
+    for (Index i = 0; i < size; ++i) {
+      const Condition& c = conditions[i];
+      missing[i] = c.target - dot(c.along, difference(*c.pair, x_) + difference(*c.pair, moved));
+    }
+    const Eigen::VectorXd multiplier = matrix.partialPivLu().solve(missing);
+    for (Index j = 0; j < size; ++j) {
+      for (std::size_t i = 0; i < change.size(); ++i) change[i] += multiplier[j] * response[j][i];
+    }
+  }
+
+  /// The same in all components at once, where they do not touch one another and nothing turns.
+  void meet_apart(std::vector<Vec2>& change) const {
+    std::vector<Vec2> along_u(dof_.size()), along_v(dof_.size()), by_u(dof_.size()), by_v(dof_.size());
+    for (const std::vector<Pair>& pairs : groups_) {
+      for (const Pair& pair : pairs) {
+        along_u[pair.vertex[0]].x = along_v[pair.vertex[0]].y = -1;
+        along_u[pair.vertex[1]].x = along_v[pair.vertex[1]].y = 1;
+      }
     }
     clear_fixed(along_u);
     clear_fixed(along_v);
@@ -139,30 +209,18 @@ class PinnedMap {
     const std::vector<Vec2> moved = system_.displacement(change), moved_u = system_.displacement(by_u),
                             moved_v = system_.displacement(by_v);
     std::vector<Vec2> multiplier(input_.piece.topology().num_components);
-    for (const Pair& pair : pairs) {
-      const auto difference = [&](const std::vector<Vec2>& z) {
-        return z[pair.vertex[1]] - z[pair.vertex[0]];
-      };
-      multiplier[pair.component] =
-          multiplier_of(pair, difference(x_) + difference(moved), difference(moved_u), difference(moved_v));
+    for (const std::vector<Pair>& pairs : groups_) {
+      for (const Pair& pair : pairs) {
+        const Vec2 missing = pair.difference - difference(pair, x_) - difference(pair, moved),
+                   u = difference(pair, moved_u), v = difference(pair, moved_v);
+        multiplier[pair.component] = {cross(missing, v) / cross(u, v), cross(u, missing) / cross(u, v)};
+      }
     }
-    const bool single = pairs.size() == 1;
     for (std::size_t i = 0; i < change.size(); ++i) {
       const Index k =
-          single || i >= input_.piece.component.size() ? pairs.front().component : input_.piece.component[i];
+          i < input_.piece.component.size() ? input_.piece.component[i] : groups_.front().front().component;
       change[i] += multiplier[k].x * by_u[i] + multiplier[k].y * by_v[i];
     }
-  }
-
-  static Vec2 multiplier_of(const Pair& pair, Vec2 now, Vec2 by_u, Vec2 by_v) {
-    if (pair.directed) {
-      const Vec2 along = (1 / norm(pair.difference)) * pair.difference;
-      const double response = dot(along, along.x * by_u + along.y * by_v);
-      return (dot(along, pair.difference - now) / response) * along;
-    }
-    const Vec2 missing = pair.difference - now;
-    const double determinant = cross(by_u, by_v);
-    return {cross(missing, by_v) / determinant, cross(by_u, missing) / determinant};
   }
 
   /// A part of the change, shortened where joints cannot follow; how far the whole would go.
@@ -198,7 +256,7 @@ class PinnedMap {
   const MapInput& input_;
   DofMap& dof_;
   const Monitor& monitor_;
-  std::vector<Pair> pairs_;
+  std::vector<std::vector<Pair>> groups_;  // of tied components
   ConformalEnergy energy_;
   ConformalSystem system_;
   std::vector<Vec2> x_;
@@ -232,6 +290,7 @@ std::array<Index, 2> far_pair(const Workpiece& piece, Index component) {
 }
 
 Result<MethodMap> pinned_conformal_map(const MapInput& input, const Monitor& monitor) {
+  if (auto checked = check_scale_groups(input); !checked) return fail(checked.error());
   if (input.dof) return PinnedMap(input, *input.dof, monitor)();
   const NodeMap nodes = find_nodes(input.piece.component, input.piece.topology().num_components);
   DofMap dof(nodes);

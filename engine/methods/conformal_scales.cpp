@@ -25,9 +25,11 @@ std::array<double, 3> log_lengths(const ScaleProblem& problem, Index t, In<doubl
 
 class ConformalScales {
  public:
-  ConformalScales(const Exec& exec, const ScaleProblem& problem)
+  /// flipping: what the problem's arrays are of, where edges may be flipped
+  ConformalScales(const Exec& exec, const ScaleProblem& problem, IntrinsicTriangulation* flipping)
       : exec_(exec),
         problem_(problem),
+        flipping_(flipping),
         num_corners_(static_cast<Index>(problem.corner_vertex.size())),
         u_(problem.nodes->node.size(), 0),
         angle_(num_corners_),
@@ -40,7 +42,7 @@ class ConformalScales {
 
   Result<ScaleSolution> operator()(int max_steps, const Monitor& monitor) {
     ScaleSolution solution;
-    measure(u_);
+    if (auto measured = measure(u_); !measured) return fail(measured.error());
     solution.defect = largest_defect();
     for (int k = 0; k < max_steps; ++k) {
       const double before = solution.defect;
@@ -73,8 +75,13 @@ class ConformalScales {
   }
 
   /// Angles and their cotangents; of broken triangles those of a flat one, small and definite, in place of none.
-  void measure(In<double> u) {
+  Result<void> measure(In<double> u) {
     constexpr double kFlat = 0.01;
+    if (flipping_) {
+      auto flips = flip_to_delaunay(exec_, u, *flipping_);
+      if (!flips) return fail(flips.error());
+      other_edges_ = other_edges_ || *flips > 0;
+    }
     exec_.for_blocks(num_corners_ / 3, kBlock, [&](Index, Range r) {
       for (Index t = r.begin; t < r.end; ++t) {
         const TriangleAngles triangle = triangle_angles(log_lengths(problem_, t, u));
@@ -86,6 +93,7 @@ class ConformalScales {
       }
     });
     defects();
+    return {};
   }
 
   void defects() {
@@ -122,12 +130,13 @@ class ConformalScales {
     const SymmetricMatrix laplacian =
         quotient_laplacian(exec_, problem_.corner_vertex, *problem_.topology, nodes().node, nodes().num_nodes,
                            [&](Index c) { return weight(c); });
-    if (global_) {
+    if (global_ && !other_edges_) {
       if (auto again = global_->refactor(exec_, laplacian); !again) return fail(again.error());
     } else {
       auto global = GlobalPhase::factor(exec_, laplacian, problem_.order);
       if (!global) return fail(global.error());
       global_.emplace(std::move(*global));
+      other_edges_ = false;
     }
     std::vector<Vec2> x(nodes().num_nodes);
     for (Index k = 0; k < nodes().num_nodes; ++k) x[k] = {-defect_[k], 0};
@@ -161,23 +170,24 @@ class ConformalScales {
     double share = 1;
     for (int k = 0; k < kHalvings; ++k, share *= 0.5) {
       for (std::size_t v = 0; v < u_.size(); ++v) trial[v] = u_[v] + share * (*along)[v];
-      measure(trial);
+      if (auto measured = measure(trial); !measured) return fail(measured.error());
       const bool lower = conformal_energy(exec_, problem_, trial) < energy + 1e-4 * share * steepness;
       const bool flatter = std::abs(slope(*along)) <= 0.5 * std::abs(steepness);
       if (!lower && !flatter) continue;
       u_ = trial;
       return true;
     }
-    measure(u_);
-    return false;
+    return measure(u_).map([] { return false; });
   }
 
   const Exec& exec_;
   const ScaleProblem& problem_;
+  IntrinsicTriangulation* flipping_;
   Index num_corners_;
   std::vector<double> u_, angle_, cotangent_, defect_;
   std::vector<std::uint8_t> used_;  // nodes that have vertices
   std::optional<GlobalPhase> global_;
+  bool other_edges_ = false;  // than those that were factored
 };
 
 }  // namespace
@@ -191,8 +201,7 @@ double conformal_energy(const Exec& exec, const ScaleProblem& problem, In<double
       const std::array<double, 3> length = log_lengths(problem, t, u);
       const TriangleAngles triangle = triangle_angles(length);
       for (Index i = 0; i < 3; ++i) {
-        part += triangle.angle[i] * length[i] + lobachevsky(triangle.angle[i]) -
-                0.5 * kPi * u[problem.corner_vertex[3 * t + i]];
+        part += (triangle.angle[i] - 0.5 * kPi) * length[i] + lobachevsky(triangle.angle[i]);
       }
     }
     return part;
@@ -207,7 +216,18 @@ double conformal_energy(const Exec& exec, const ScaleProblem& problem, In<double
 
 Result<ScaleSolution> solve_scales(const Exec& exec, const ScaleProblem& problem, int max_steps,
                                    const Monitor& monitor) {
-  return ConformalScales(exec, problem)(max_steps, monitor);
+  return ConformalScales(exec, problem, nullptr)(max_steps, monitor);
+}
+
+Result<ScaleSolution> solve_scales(const Exec& exec, IntrinsicTriangulation& triangulation,
+                                   const ScaleNodes& nodes, In<Index> order, int max_steps,
+                                   const Monitor& monitor) {
+  const ScaleProblem problem{.corner_vertex = triangulation.corner_vertex,
+                             .topology = &triangulation.topology,
+                             .log_length = triangulation.log_length,
+                             .nodes = &nodes,
+                             .order = order};
+  return ConformalScales(exec, problem, &triangulation)(max_steps, monitor);
 }
 
 }  // namespace planish

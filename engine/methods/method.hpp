@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engine/constraints/system.hpp"
+#include "engine/model/flattening.hpp"
 #include "engine/model/monitor.hpp"
 #include "engine/model/options.hpp"
 #include "engine/workpiece.hpp"
@@ -23,6 +24,7 @@ struct MapInput {
 struct MethodMap {
   std::vector<Vec2> uv;  ///< [V] units of the ordered mesh
   int iterations = 0;    ///< solves beyond the first
+  std::optional<IntrinsicFacts> intrinsic = {};
 };
 
 /// A method and what it can express.

@@ -36,7 +36,7 @@ class Boundary {
     return {};
   }
 
-  Result<ScaleNodes> nodes(In<double> chosen, In<double> angle) {
+  Result<ScaleNodes> nodes(In<double> chosen, In<double> angle_sum) {
     nodes_.node.resize(filled_.num_vertices);
     nodes_.target.assign(filled_.num_vertices, 0);
     nodes_.num_nodes = filled_.num_vertices;
@@ -51,7 +51,7 @@ class Boundary {
       }
     }
     if (!chosen.empty()) {
-      if (auto tied = tie_relations(chosen, angle); !tied) return fail(tied.error());
+      if (auto tied = tie_relations(chosen, angle_sum); !tied) return fail(tied.error());
     }
     return std::move(nodes_);
   }
@@ -101,15 +101,8 @@ class Boundary {
     return runs_with_loop(body) ? body.vertex.back() : body.vertex.front();
   }
 
-  double angle_sum(Index v, In<double> angle) const {
-    double sum = 0;
-    for (const Index c : slice(In<Index>(filled_.topology.star_corner), filled_.topology.stars().group(v)))
-      sum += angle[c];
-    return sum;
-  }
-
   /// From body a on to body b; direction: of b against a, both as they run along the loop.
-  Arc arc(const Body& a, const Body& b, double direction, In<double> angle) const {
+  Arc arc(const Body& a, const Body& b, double direction, In<double> angle_sum) const {
     const In<Index> corners = loop(loop_of(a.vertex.front()));
     Arc result;
     const Index first = place_[last_along(a)], count = steps(last_along(a), first_along(b)) + 1;
@@ -121,7 +114,7 @@ class Boundary {
         direction -= kPi - nodes_.target[v];
       } else {
         result.vertex.push_back(v);
-        now += kPi - angle_sum(v, angle);
+        now += kPi - angle_sum[v];
       }
     }
     result.turning_target = direction + 2 * kPi * std::round((now - direction) / (2 * kPi));
@@ -140,9 +133,9 @@ class Boundary {
   }
 
   /// Nothing is left to choose where the rest of the loop is asked for: the relation must follow from the others.
-  Result<void> tie(Index relation, const Body& a, const Body& b, double chosen, In<double> angle) {
+  Result<void> tie(Index relation, const Body& a, const Body& b, double chosen, In<double> angle_sum) {
     const double along = chosen + (runs_with_loop(a) ? 0 : kPi) + (runs_with_loop(b) ? 0 : kPi);
-    Arc ways[] = {arc(a, b, reduce_angle(along), angle), arc(b, a, reduce_angle(-along), angle)};
+    Arc ways[] = {arc(a, b, reduce_angle(along), angle_sum), arc(b, a, reduce_angle(-along), angle_sum)};
     if (ways[1].vertex.size() < ways[0].vertex.size()) std::swap(ways[0], ways[1]);
     for (const Arc& way : ways) {
       if (!is_free(way) || !leaves_ground(way)) continue;
@@ -165,7 +158,7 @@ class Boundary {
         "another relation ties; relate neighbours along the boundary"));
   }
 
-  Result<void> tie_relations(In<double> chosen, In<double> angle) {
+  Result<void> tie_relations(In<double> chosen, In<double> angle_sum) {
     std::map<Index, std::pair<Index, double>> directed;  // of a loop: a body and its direction
     for (Index k = 0; k < static_cast<Index>(compiled_.relations.size()); ++k) {
       const Relation& relation = compiled_.relations[k];
@@ -180,7 +173,7 @@ class Boundary {
       }
       if (loop_of(compiled_.bodies[a].vertex.front()) != mine)
         continue;  // between components: turned as a whole
-      auto tied = tie(k, compiled_.bodies[a], compiled_.bodies[relation.b], direction, angle);
+      auto tied = tie(k, compiled_.bodies[a], compiled_.bodies[relation.b], direction, angle_sum);
       if (!tied) return tied;
     }
     return {};
@@ -196,8 +189,8 @@ class Boundary {
 }  // namespace
 
 Result<ScaleNodes> scale_nodes(const FilledSurface& filled, const ConstraintView& view,
-                               const Compiled& compiled, In<double> chosen, In<double> angle) {
-  return Boundary(filled, view, compiled).nodes(chosen, angle);
+                               const Compiled& compiled, In<double> chosen, In<double> angle_sum) {
+  return Boundary(filled, view, compiled).nodes(chosen, angle_sum);
 }
 
 Result<void> check_on_boundary(const FilledSurface& filled, const ConstraintView& view,

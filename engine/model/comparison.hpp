@@ -9,9 +9,21 @@
 
 namespace planish {
 
-/// What became of one method.
-struct ComparedMethod {
+/// What a map of the comparison is made by: a method under the constraints, or ARAP without any.
+struct Contender {
   Method method = Method::Arap;
+  bool constrained = true;
+  bool operator==(const Contender&) const = default;
+};
+
+/// "unconstrained", or the method's name.
+inline const char* name(const Contender& contender) {
+  return contender.constrained ? name(contender.method) : "unconstrained";
+}
+
+/// What became of one of them.
+struct ComparedMethod {
+  Contender contender = {};
   bool supported = true;    ///< false: it cannot express one of the constraints
   std::string reason = {};  ///< why there is no map; "": there is one
   Flattening flattening = {};

@@ -139,10 +139,17 @@ struct StepTime {
   double seconds = 0;
 };
 
+/// Of yamabe where edges had to be flipped: the flat metric is that of another triangulation on the mesh's vertices.
+struct IntrinsicFacts {
+  Index moved_edges = 0;    ///< of the mesh (and of what fills its holes) that are no edges there
+  double angle_defect = 0;  ///< largest difference of a sum of angles there from what it is to be, radians
+};
+
 struct Flattening {
   Method method = Method::Arap;
   std::vector<std::string>
-      up_to_scale;       ///< constraints whose shapes the method keeps, but not their given sizes
+      up_to_scale;  ///< constraints whose shapes the method keeps, but not their given sizes
+  std::optional<IntrinsicFacts> intrinsic;
   std::vector<Vec2> uv;  ///< [V] mesh units; 0 0 for unreferenced vertices
   MeshFacts mesh;
   Certificate certificate;

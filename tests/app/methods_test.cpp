@@ -168,7 +168,7 @@ TEST_CASE("compare: every method has its map, its picture and its row, and one s
   const Files files(dome(), kFreeSizes);
   const Ran ran = files.compare("");
   REQUIRE_MESSAGE(ran.code == 0, ran.err);
-  const std::vector<std::string> methods = {"arap", "lscm", "dncp", "spectral", "deform"};
+  const std::vector<std::string> methods = {"unconstrained", "arap", "lscm", "dncp", "spectral", "deform"};
   for (const std::string& method : methods) {
     CAPTURE(method);
     const json row = files.row(method);
@@ -191,6 +191,47 @@ TEST_CASE("compare: every method has its map, its picture and its row, and one s
   CHECK(files.row("lscm").at("benchmark").at("average_angle_error") <
         files.row("arap").at("benchmark").at("average_angle_error"));
   CHECK(files.row("lscm").at("conformal") < files.row("arap").at("conformal"));
+}
+
+TEST_CASE("compare: ARAP without the constraints is a row of its own, at no more energy than with them") {
+  const Files files(dome(), R"({"type": "line", "feature": "south"}, {"type": "circle", "feature": "ring"})");
+  const Ran ran = files.compare("--methods unconstrained,arap,unconstrained");
+  REQUIRE_MESSAGE(ran.code == 0, ran.err);
+  CHECK(json::parse(content_of(files.d + "/compare.json")).at("rows").size() == 2);
+  const json free = files.row("unconstrained"), arap = files.row("arap");
+  CHECK(free.at("worst_residual").is_null());
+  CHECK(arap.at("worst_residual") < 1e-9);
+  CHECK(free.at("arap") < arap.at("arap"));
+  CHECK(!schema_fault("compare.schema.json", files.d + "/compare.json").starts_with("invalid"));
+  CHECK(has(content_of(files.d + "/compare.md"), "| unconstrained | none |"));
+  CHECK(content_of(files.d + "/unconstrained.png").starts_with("\x89PNG"));
+  // It is the map that flatten makes without a constraint file.
+  REQUIRE(run("flatten " + files.in + " -o " + files.scratch.file("free.ply")).code == 0);
+  const Ran own = run("verify " + files.scratch.file("free.ply") + " --json");
+  CHECK(json::parse(own.out).at("energy").at("arap").get<double>() ==
+        doctest::Approx(free.at("arap").get<double>()).epsilon(1e-6));
+}
+
+TEST_CASE("compare: a method that takes longer than it may has a row that says so, and no map") {
+  const Files files(dome(), R"({"type": "line", "feature": "south"})");
+  CHECK(files.compare("--methods arap,lscm --time-limit 1e-9").code == 6);
+  for (const std::string method : {"arap", "lscm"}) {
+    const json row = files.row(method);
+    CHECK(row.at("supported") == true);
+    CHECK(has(row.at("reason"), "stopped after"));
+    CHECK(row.at("arap").is_null());
+    CHECK_FALSE(std::filesystem::exists(files.d + "/" + method + ".ply"));
+  }
+  CHECK(files.compare("--methods arap,lscm --time-limit 1e9").code == 0);
+  CHECK(files.row("lscm").at("reason") == "");
+  CHECK(files.compare("--methods lscm --time-limit 0").code == 2);
+}
+
+TEST_CASE("compare: without a constraint file there is nothing to leave out") {
+  const Files files(dome(), "");
+  const Ran ran = run("compare " + files.in + " -o " + files.d + " --methods unconstrained,arap");
+  CHECK(ran.code == 2);
+  CHECK(has(ran.err, "ask for arap in place of unconstrained"));
 }
 
 TEST_CASE(

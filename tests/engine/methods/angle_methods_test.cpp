@@ -16,6 +16,13 @@ namespace {
 constexpr Index kSide = 15;  // vertices along a side of the square
 
 double hill(double x, double y) { return 0.4 * std::exp(-2 * (x * x + y * y)) + 0.15 * x * y; }
+double spire(double x, double y) { return 4 * std::exp(-20 * (x * x + y * y)); }
+double spire_aside(double x, double y) { return spire(x - 0.65, y + 0.65); }
+/// Sheared, so that triangles are slivers far from Delaunay: scale factors alone do not make their edges close.
+Mesh slanted(Mesh mesh) {
+  for (Vec3& p : mesh.position) p.x += 4 * p.y;
+  return mesh;
+}
 double on_cylinder(double x, double) { return std::sqrt(2.25 - x * x); }
 
 Mesh hilly(double jitter = 0.25) { return shapes::height_field(kSide, hill, jitter); }
@@ -123,6 +130,55 @@ TEST_CASE("yamabe: the outer boundary keeps its edges' lengths") {
             Approx(norm(mesh.position[v] - mesh.position[u])).epsilon(1e-10));
     }
   }
+}
+
+TEST_CASE(
+    "yamabe: where the mesh's own edges do not close, flipped ones do, and the outer boundary keeps its "
+    "lengths") {
+  for (const Mesh& mesh :
+       {slanted(shapes::height_field(21, spire)), slanted(shapes::height_field(21, spire, 0.4)),
+        slanted(shapes::frame(25, spire_aside))}) {
+    const auto flat = run(mesh, Method::Yamabe);
+    REQUIRE(flat);
+    CAPTURE(mesh.num_triangles());
+    REQUIRE(flat->intrinsic);
+    CHECK(flat->intrinsic->moved_edges > 0);
+    CHECK(flat->intrinsic->angle_defect < 1e-9);
+    const Topology topology = build_topology(Exec(1), mesh.surface());
+    for (const Index c : slice(In<Index>(topology.loop_corner), topology.loops().group(0))) {
+      const Index u = mesh.corner_vertex[c], v = mesh.corner_vertex[next_corner(c)];
+      CHECK(norm(flat->uv[v] - flat->uv[u]) ==
+            Approx(norm(mesh.position[v] - mesh.position[u])).epsilon(1e-9));
+    }
+  }
+  CHECK_FALSE(run(hilly(), Method::Yamabe)->intrinsic);
+}
+
+TEST_CASE("yamabe: sides are straight and at their angles where edges are flipped too") {
+  Lines lines;
+  std::vector<Index> south, west;
+  for (Index k = 0; k < 21; ++k) south.push_back(k), west.push_back(21 * k);
+  lines.add("south", south);
+  lines.add("west", west);
+  lines.relate("south", "west", 75);
+  const auto flat = run(slanted(shapes::height_field(21, spire)), Method::Yamabe, lines);
+  REQUIRE(flat);
+  REQUIRE(flat->intrinsic);
+  CHECK(bend(south, flat->uv) < 1e-10);
+  CHECK(bend(west, flat->uv) < 1e-10);
+  CHECK(degrees_between(south, west, flat->uv) == Approx(75).epsilon(1e-10));
+}
+
+TEST_CASE("yamabe: a boundary that closes around no point is refused with the triangle, flips or not") {
+  // Sides of 1, 1 and nearly 2 have a circumcentre outside, and the apex is as far from all three ends.
+  Mesh tent;
+  tent.position = {{-0.995, 0, 0}, {0.995, 0, 0}, {0, 0.0999, 0}, {0, -4.9, 5}};
+  tent.corner_vertex = {0, 1, 3, 1, 2, 3, 2, 0, 3};
+  const auto flat = run(tent, Method::Yamabe);
+  REQUIRE(!flat);
+  CHECK(flat.error().code == ErrorCode::NoConvergence);
+  CHECK(flat.error().ids == std::vector<Index>{0});
+  CHECK(flat.error().also.find("with edges flipped") != std::string::npos);
 }
 
 TEST_CASE("yamabe: length cross-ratios of all interior edges are those of the surface, holes or not") {
@@ -294,15 +350,16 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("abf, yamabe: 1, 2 and 7 threads give the same bits") {
-  const Mesh mesh = shapes::frame(60, hill);
-  for (const Method method : {Method::Abf, Method::Yamabe}) {
-    const auto one = run(mesh, method, {}, 1);
-    REQUIRE(one);
-    for (const int threads : {2, 7}) {
-      const auto other = run(mesh, method, {}, threads);
-      REQUIRE(other);
-      CHECK(std::memcmp(one->uv.data(), other->uv.data(), sizeof(Vec2) * one->uv.size()) == 0);
+TEST_CASE("abf, yamabe: 1, 2 and 7 threads give the same bits, with flipped edges too") {
+  for (const Mesh& mesh : {shapes::frame(60, hill), slanted(shapes::height_field(40, hill))}) {
+    for (const Method method : {Method::Abf, Method::Yamabe}) {
+      const auto one = run(mesh, method, {}, 1);
+      REQUIRE(one);
+      for (const int threads : {2, 7}) {
+        const auto other = run(mesh, method, {}, threads);
+        REQUIRE(other);
+        CHECK(std::memcmp(one->uv.data(), other->uv.data(), sizeof(Vec2) * one->uv.size()) == 0);
+      }
     }
   }
 }

@@ -1,9 +1,5 @@
 // An independent implementation of least squares conformal maps: CGAL's, with the same two pins.
-#include <CGAL/Simple_cartesian.h>
-#include <CGAL/Surface_mesh.h>
 #include <CGAL/Surface_mesh_parameterization/LSCM_parameterizer_3.h>
-#include <CGAL/Surface_mesh_parameterization/parameterize.h>
-#include <CGAL/boost/graph/helpers.h>
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -11,34 +7,19 @@
 
 #include "engine/flatten.hpp"
 #include "engine/methods/conformal_map.hpp"
+#include "tests/support/cgal_map.hpp"
 
 using namespace planish;
 
 namespace {
 
-using Point2 = CGAL::Simple_cartesian<double>::Point_2;
-using Point3 = CGAL::Simple_cartesian<double>::Point_3;
-using CgalMesh = CGAL::Surface_mesh<Point3>;
-
 std::vector<Vec2> map_by_cgal(const Mesh& mesh, Index first, Index second) {
   namespace smp = CGAL::Surface_mesh_parameterization;
-  CgalMesh surface;
-  for (const Vec3 p : mesh.position) surface.add_vertex(Point3(p.x, p.y, p.z));
-  const auto vertex = [](Index v) { return CgalMesh::Vertex_index(static_cast<CgalMesh::size_type>(v)); };
-  for (std::size_t c = 0; c < mesh.corner_vertex.size(); c += 3)
-    surface.add_face(vertex(mesh.corner_vertex[c]), vertex(mesh.corner_vertex[c + 1]),
-                     vertex(mesh.corner_vertex[c + 2]));
-  CgalMesh::Halfedge_index border;
-  for (const auto h : surface.halfedges()) {
-    if (surface.is_border(h)) border = h;
-  }
-  const auto uv_map = surface.add_property_map<CgalMesh::Vertex_index, Point2>("v:uv").first;
-  using Pins = smp::Two_vertices_parameterizer_3<CgalMesh>;
-  const smp::LSCM_parameterizer_3<CgalMesh, Pins> lscm(Pins(vertex(first), vertex(second)));
-  REQUIRE(smp::parameterize(surface, lscm, border, uv_map) == smp::OK);
-  std::vector<Vec2> uv;
-  for (const auto v : surface.vertices()) uv.push_back({uv_map[v].x(), uv_map[v].y()});
-  return uv;
+  using Pins = smp::Two_vertices_parameterizer_3<cgal::SurfaceMesh>;
+  using Lscm = smp::LSCM_parameterizer_3<cgal::SurfaceMesh, Pins>;
+  auto uv = cgal::map_of(mesh, Lscm(Pins(cgal::vertex(first), cgal::vertex(second))));
+  REQUIRE(uv);
+  return std::move(*uv);
 }
 
 /// The largest distance over the extent, once the second map's pins lie on the first one's.
