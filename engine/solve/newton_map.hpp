@@ -71,6 +71,7 @@ class NewtonMap {
   DofMap* dof_;
   MapEnergy measure_;
   MapDensity density_;
+  ReducedHessian hessian_;
   std::optional<GlobalPhase> global_;
   std::vector<Index> order_;  // the unknowns' own
   std::vector<Vec2> x_, force_, direction_, x_trial_, force_trial_;
