@@ -112,10 +112,10 @@ class Polish {
       removal.barrier_delta = density_.barrier.delta;
     }
     map_.lower(density_);
-    bool patches_help = options_.energy == Energy::Arap;  // the other one does not crumple
+    const bool crumples = options_.energy == Energy::Arap;
     for (;; ++removal.newton_steps) {
-      if (patches_help) {
-        if (auto relaxed = relax_patches(patches_help); !relaxed) return relaxed;
+      if (crumples) {
+        if (auto relaxed = relax_patches(); !relaxed) return relaxed;
       }
       if (auto prepared = map_.prepare(); !prepared) {
         if (auto severe = unless_degenerate(prepared); !severe) return severe;
@@ -133,15 +133,14 @@ class Polish {
   }
 
  private:
-  /// helped: out, whether the energy fell.
-  Result<void> relax_patches(bool& helped) {
-    constexpr double kPatchTolerance = 1e-4;  // a looser one leaves many times the work to steps of the whole
+  /// Clearly below what the whole was left with: else its next step, cut short by the worst patch, does their work.
+  Result<void> relax_patches() {
+    constexpr double kLoosest = 1e-4, kShare = 0.01;
+    const double tolerance = std::min(kLoosest, std::max(kShare * left_, options_.tolerance));
     std::vector<Vec2> x = map_.x();
-    const double before = map_.energy();
-    if (auto done = patches_.relax(density_, kPatchTolerance, before, stirred(), monitor_, x); !done)
+    if (auto done = patches_.relax(density_, tolerance, map_.energy(), stirred(), monitor_, x); !done)
       return done;
     map_.move_to(std::move(x));
-    helped = map_.energy() < before;
     return {};
   }
 
@@ -162,6 +161,7 @@ class Polish {
   Result<void> record() {
     const int iteration = minimum_.history.back().iteration + 1;
     minimum_.gradient = map_.gradient();
+    left_ = minimum_.gradient;
     const Phase phase = problem_.barrier ? Phase::Separate : Phase::Polish;
     minimum_.history.push_back({iteration, map_.energy() / problem_.energy.area, minimum_.gradient, phase});
     const Iterate& now = minimum_.history.back();
@@ -176,6 +176,7 @@ class Polish {
   MapDensity density_;
   PatchWork patches_;
   NewtonMap map_;
+  double left_ = kInfinity;  // the gradient at the step before
 };
 
 }  // namespace
