@@ -112,9 +112,9 @@ class Polish {
       removal.barrier_delta = density_.barrier.delta;
     }
     map_.lower(density_);
-    const bool crumples = options_.energy == Energy::Arap;
+    patches_help_ = options_.energy == Energy::Arap;  // the other one does not crumple
     for (;; ++removal.newton_steps) {
-      if (crumples) {
+      if (patches_help_) {
         if (auto relaxed = relax_patches(); !relaxed) return relaxed;
       }
       if (auto prepared = map_.prepare(); !prepared) {
@@ -133,14 +133,19 @@ class Polish {
   }
 
  private:
-  /// Clearly below what the whole was left with: else its next step, cut short by the worst patch, does their work.
+  /// Clearly below what the whole was left with: else its next step, cut short by the worst patch, does their work. Where the
+  /// boundary is kept apart patches hold it, and what moves along it is not theirs to relax: they soon help no more.
   Result<void> relax_patches() {
     constexpr double kLoosest = 1e-4, kShare = 0.01;
-    const double tolerance = std::min(kLoosest, std::max(kShare * left_, options_.tolerance));
+    const bool apart = problem_.barrier != nullptr;
+    const double tolerance =
+        apart ? kLoosest : std::min(kLoosest, std::max(kShare * left_, options_.tolerance));
     std::vector<Vec2> x = map_.x();
-    if (auto done = patches_.relax(density_, tolerance, map_.energy(), stirred(), monitor_, x); !done)
-      return done;
+    const double before = map_.energy();
+    const std::vector<Index> around = apart ? std::vector<Index>() : stirred();
+    if (auto done = patches_.relax(density_, tolerance, before, around, monitor_, x); !done) return done;
     map_.move_to(std::move(x));
+    patches_help_ = !apart || map_.energy() < before;
     return {};
   }
 
@@ -176,6 +181,7 @@ class Polish {
   MapDensity density_;
   PatchWork patches_;
   NewtonMap map_;
+  bool patches_help_ = false;
   double left_ = kInfinity;  // the gradient at the step before
 };
 
