@@ -112,10 +112,10 @@ class Polish {
       removal.barrier_delta = density_.barrier.delta;
     }
     map_.lower(density_);
-    bool patches_help = options_.energy == Energy::Arap;  // the other one does not crumple
+    patches_help_ = options_.energy == Energy::Arap;  // the other one does not crumple
     for (;; ++removal.newton_steps) {
-      if (patches_help) {
-        if (auto relaxed = relax_patches(patches_help); !relaxed) return relaxed;
+      if (patches_help_) {
+        if (auto relaxed = relax_patches(); !relaxed) return relaxed;
       }
       if (auto prepared = map_.prepare(); !prepared) {
         if (auto severe = unless_degenerate(prepared); !severe) return severe;
@@ -133,20 +133,40 @@ class Polish {
   }
 
  private:
-  /// helped: out, whether the energy fell.
-  Result<void> relax_patches(bool& helped) {
-    constexpr double kPatchTolerance = 1e-4;  // a looser one leaves many times the work to steps of the whole
+  /// Clearly below what the whole was left with: else its next step, cut short by the worst patch, does their work. Where the
+  /// boundary is kept apart patches hold it, and what moves along it is not theirs to relax: they soon help no more.
+  Result<void> relax_patches() {
+    constexpr double kLoosest = 1e-4, kShare = 0.01;
+    const bool apart = problem_.barrier != nullptr;
+    const double tolerance =
+        apart ? kLoosest : std::min(kLoosest, std::max(kShare * left_, options_.tolerance));
     std::vector<Vec2> x = map_.x();
     const double before = map_.energy();
-    if (auto done = patches_.relax(density_, kPatchTolerance, monitor_, x); !done) return done;
+    const std::vector<Index> around = apart ? std::vector<Index>() : stirred();
+    if (auto done = patches_.relax(density_, tolerance, before, around, monitor_, x); !done) return done;
     map_.move_to(std::move(x));
-    helped = map_.energy() < before;
+    patches_help_ = !apart || map_.energy() < before;
     return {};
+  }
+
+  /// Vertices that the last step moved by a good share of the most that it moved any; none where that is much of the map,
+  /// for then patches are no cheaper than the whole.
+  std::vector<Index> stirred() const {
+    constexpr double kShare = 0.1, kMuch = 0.125;
+    const In<Vec2> move = map_.last_direction();
+    double most = 0;
+    for (const Vec2& d : move) most = std::max(most, dot(d, d));
+    std::vector<Index> vertices = select(exec_, static_cast<Index>(move.size()), [&](Index v) {
+      return dot(move[v], move[v]) > kShare * kShare * most;
+    });
+    if (static_cast<double>(vertices.size()) > kMuch * static_cast<double>(move.size())) vertices.clear();
+    return vertices;
   }
 
   Result<void> record() {
     const int iteration = minimum_.history.back().iteration + 1;
     minimum_.gradient = map_.gradient();
+    left_ = minimum_.gradient;
     const Phase phase = problem_.barrier ? Phase::Separate : Phase::Polish;
     minimum_.history.push_back({iteration, map_.energy() / problem_.energy.area, minimum_.gradient, phase});
     const Iterate& now = minimum_.history.back();
@@ -161,6 +181,8 @@ class Polish {
   MapDensity density_;
   PatchWork patches_;
   NewtonMap map_;
+  bool patches_help_ = false;
+  double left_ = kInfinity;  // the gradient at the step before
 };
 
 }  // namespace

@@ -180,8 +180,11 @@ Result<void> NewtonMap::factor(double lift) {
     further.push_back({{v, v, v}, {}});
     further.back().block[0][0] = {stiffness_, 0, 0, stiffness_};
   }
-  if (pattern_is_new) global_.reset();
-  SymmetricMatrix hessian = reduced_hessian(exec_, mesh_, unknowns_, density_, projection_, uv(), further);
+  if (pattern_is_new) {
+    global_.reset();
+    hessian_.forget_pattern();
+  }
+  SymmetricMatrix& hessian = hessian_.at(exec_, mesh_, unknowns_, density_, projection_, uv(), further);
   if (lift > 0) {
     for (Index column = 0; column < hessian.size(); ++column)
       hessian.value[hessian.column_begin[column]] *= 1 + lift;

@@ -27,6 +27,8 @@ class NewtonMap {
   bool is_positive() const {
     return measure_.flipped(uv()).empty() && (!dof_ || dof_->reversed_edges() == 0);
   }
+  /// Direction of the last step [V], of free vertices alone.
+  In<Vec2> last_direction() const { return In<Vec2>(direction_).first(mesh_.num_vertices()); }
   /// Another place to go on from; x as in the constructor.
   void move_to(std::vector<Vec2> x);
 
@@ -69,6 +71,7 @@ class NewtonMap {
   DofMap* dof_;
   MapEnergy measure_;
   MapDensity density_;
+  ReducedHessian hessian_;
   std::optional<GlobalPhase> global_;
   std::vector<Index> order_;  // the unknowns' own
   std::vector<Vec2> x_, force_, direction_, x_trial_, force_trial_;

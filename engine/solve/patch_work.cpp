@@ -29,8 +29,9 @@ class PatchJob {
   PatchJob& operator=(const PatchJob&) = delete;
 
   void untangle(int most_steps) { untangling_.emplace(*map_, most_steps); }
-  void descend(double tolerance, int most_steps) {
+  void descend(double tolerance, double whole_energy, int most_steps) {
     tolerance_ = tolerance;
+    whole_energy_ = whole_energy;
     most_steps_ = most_steps;
   }
 
@@ -62,7 +63,8 @@ class PatchJob {
       done_ = !good_;
       if (done_) return {};
       map_->lower(density_);
-      descent_.emplace(*map_, tolerance_, most_steps_);
+      const double share = whole_energy_ > 0 ? whole_energy_ / map_->energy() : 1;
+      descent_.emplace(*map_, std::sqrt(share) * tolerance_, most_steps_);
     }
     auto stepped = descent_->step();
     done_ = descent_->is_done();
@@ -75,7 +77,7 @@ class PatchJob {
   std::optional<NewtonMap> map_;
   std::optional<Untangling> untangling_;
   std::optional<Descent> descent_;
-  double tolerance_ = 0;
+  double tolerance_ = 0, whole_energy_ = 0;
   int most_steps_ = 0;
   bool good_ = false, done_ = false;
 };
@@ -96,14 +98,14 @@ PatchWork::PatchWork(const Exec& exec, const ArapProblem& problem)
   for (Index k = 0; k < static_cast<Index>(problem.order.size()); ++k) rank_[problem.order[k]] = k;
 }
 
-Result<void> PatchWork::run(const std::vector<Patch>& patches, bool untangle, const MapDensity& density,
-                            double tolerance, int most_steps, const Monitor& monitor, Out<Vec2> x) {
+Result<void> PatchWork::run(const std::vector<Patch>& patches, const MapDensity& density, const Aim& aim,
+                            const Monitor& monitor, Out<Vec2> x) {
   constexpr double kSlice = 0.2;  // seconds
   std::vector<std::unique_ptr<PatchJob>> jobs;
   for (const Patch& patch : patches) {
     jobs.push_back(std::make_unique<PatchJob>(exec_, mesh_, patch, density, x));
-    if (untangle) jobs.back()->untangle(kMostUntangling);
-    jobs.back()->descend(tolerance, most_steps);
+    if (aim.untangle) jobs.back()->untangle(kMostUntangling);
+    jobs.back()->descend(aim.tolerance, aim.whole_energy, aim.most_steps);
   }
   std::vector<Result<void>> worked(jobs.size());
   const auto is_done = [](const auto& job) { return job->is_done(); };
@@ -147,15 +149,20 @@ Result<void> PatchWork::untangle(const MapDensity& density, const Monitor& monit
   std::vector<Index> seeds = faults(x);
   const std::vector<Index> around = compressed(x);
   seeds.insert(seeds.end(), around.begin(), around.end());
-  return run(grow_patches(mesh_, seeds, kRings, movable_, rank_), true, density, kNear, kMostDescent, monitor,
-             x);
+  const Aim aim{.untangle = true, .tolerance = kNear, .whole_energy = 0, .most_steps = kMostDescent};
+  return run(grow_patches(mesh_, seeds, kRings, movable_, rank_), density, aim, monitor, x);
 }
 
-Result<void> PatchWork::relax(const MapDensity& density, double tolerance, const Monitor& monitor,
-                              Out<Vec2> x) {
+Result<void> PatchWork::relax(const MapDensity& density, double tolerance, double whole_energy,
+                              In<Index> stirred, const Monitor& monitor, Out<Vec2> x) {
   constexpr int kMostDescent = 200;
-  return run(grow_patches(mesh_, compressed(x), kRings, movable_, rank_), false, density, tolerance,
-             kMostDescent, monitor, x);
+  std::vector<Index> seeds = compressed(x);
+  for (const Index v : stirred) {
+    for (const Index c : slice(mesh_.star_corner, mesh_.stars.group(v))) seeds.push_back(c / 3);
+  }
+  const Aim aim{
+      .untangle = false, .tolerance = tolerance, .whole_energy = whole_energy, .most_steps = kMostDescent};
+  return run(grow_patches(mesh_, seeds, kRings, movable_, rank_), density, aim, monitor, x);
 }
 
 }  // namespace planish

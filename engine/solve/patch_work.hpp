@@ -15,15 +15,22 @@ class PatchWork {
   /// Patches that cannot be mended stay as they were.   Fails: OutOfMemory, Cancelled.
   Result<void> untangle(const MapDensity& density, const Monitor& monitor, Out<Vec2> x);
 
-  /// Lowers the energy in patches around what is compressed most: there it is far from quadratic, and steps of the whole
-  /// map would all be cut short by the worst place.   Pre: no flips.   Fails: as above.
-  Result<void> relax(const MapDensity& density, double tolerance, const Monitor& monitor, Out<Vec2> x);
+  /// Lowers the energy in patches around what is compressed most and around stirred vertices: there it is far from quadratic,
+  /// and steps of the whole map would all be cut short by the worst place. Until the gradient of DESIGN 3.5, over the energy
+  /// of the whole, is at most the tolerance.   Pre: no flips.   Fails: as above.
+  Result<void> relax(const MapDensity& density, double tolerance, double whole_energy, In<Index> stirred,
+                     const Monitor& monitor, Out<Vec2> x);
 
   Index steps_done() const { return steps_; }  ///< Newton steps of the slowest patches, added up
 
  private:
-  Result<void> run(const std::vector<Patch>& patches, bool untangle, const MapDensity& density,
-                   double tolerance, int most_steps, const Monitor& monitor, Out<Vec2> x);
+  struct Aim {
+    bool untangle;
+    double tolerance, whole_energy;  // 0: of the patch itself
+    int most_steps;
+  };
+  Result<void> run(const std::vector<Patch>& patches, const MapDensity& density, const Aim& aim,
+                   const Monitor& monitor, Out<Vec2> x);
   std::vector<Index> faults(In<Vec2> x) const;
   std::vector<Index> compressed(In<Vec2> x) const;
 

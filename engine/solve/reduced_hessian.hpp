@@ -38,12 +38,29 @@ struct HessianElement {
   std::array<std::array<Mat2, 3>, 3> block;
 };
 
-/// Half the Hessian at uv; one pattern for the same unknowns and the same vertices of further elements, whatever the values.
+/// Half the Hessian of a map energy: its pattern is found once, its values at one place after another.
 /// Curvature of the ways that features are moved is left out: what directions add beyond it vanishes with the forces.
-/// Cost: O(T) in the triangles at moving vertices, parallel; O(m^2) at triangles with m moves of features.
-SymmetricMatrix reduced_hessian(const Exec& exec, const ArapEnergy& mesh, const ReducedUnknowns& unknowns,
-                                const MapDensity& density, double projection, In<Vec2> uv,
-                                In<HessianElement> further = {});
+class ReducedHessian {
+ public:
+  /// At uv [V]; holds until the next call, and may be changed until then. Mesh, unknowns and the vertices of further elements
+  /// as in the call before, unless forget_pattern() came between; moves of features by other amounts.
+  ///   projection: as in triangle_hessian()
+  /// Cost: O(T), parallel; O(m^2) at triangles with m moves of features.
+  SymmetricMatrix& at(const Exec& exec, const ArapEnergy& mesh, const ReducedUnknowns& unknowns,
+                      const MapDensity& density, double projection, In<Vec2> uv,
+                      In<HessianElement> further = {});
+  void forget_pattern() { matrix_ = {}; }
+
+  /// The blocks of a triangle that are not others transposed.
+  struct TriangleBlocks {
+    std::array<Mat2, 3> diagonal;
+    std::array<Mat2, 3> between;  ///< corners (1, 2), (0, 2) and (0, 1)
+  };
+
+ private:
+  std::vector<TriangleBlocks> triangle_;  // [T], kept for their memory
+  SymmetricMatrix matrix_;
+};
 
 /// A fill-reducing order of the unknowns for such a matrix, whatever else couples them.   Fails: OutOfMemory.
 Result<std::vector<Index>> order_of_unknowns(const Exec& exec, const SymmetricMatrix& hessian,

@@ -7,66 +7,12 @@
 #include "engine/solve/patch_work.hpp"
 #include "engine/solve/patches.hpp"
 #include "engine/solve/tutte.hpp"
-#include "engine/workpiece.hpp"
-#include "tests/support/shapes.hpp"
+#include "tests/support/grid_map.hpp"
 
 using namespace planish;
 
-namespace {
-
-/// A grid in the plane, its interior moved as told.
-struct Grid {
-  Exec exec{1};
-  Mesh mesh;
-  Workpiece piece;
-  NodeMap nodes;
-  std::unique_ptr<DofMap> dof;
-  std::vector<std::uint8_t> rim;
-  std::vector<Vec2> flat;  // without distortion
-
-  explicit Grid(Index side) : Grid(shapes::height_field(side + 1, shapes::flat, 0)) {}
-  explicit Grid(Mesh given) : mesh(std::move(given)) {
-    piece = *make_workpiece(exec, mesh.surface());
-    piece.outer_loop = {0};
-    piece.find_loops();
-    nodes = find_nodes(piece.component, 1);
-    dof = std::make_unique<DofMap>(nodes);
-    piece.order = *fill_reducing_order(Exec(2), piece.laplacian_over(exec, nodes));
-    for (Index v = 0; v < piece.mesh().num_vertices(); ++v) {
-      rim.push_back(piece.topology().is_boundary(v));
-      const Vec3 p = piece.mesh().position[v];
-      flat.push_back({p.x, p.y});
-    }
-  }
-
-  /// The rim held.
-  ArapEnergy energy() const { return piece.energy(rim); }
-  ReducedUnknowns inner() const {
-    ReducedUnknowns unknowns;
-    unknowns.pair.assign(rim.size(), kNone);
-    for (const Index v : piece.order) {
-      if (rim[v]) continue;
-      unknowns.pair[v] = unknowns.num_pairs();
-      unknowns.vertex.push_back(v);
-    }
-    unknowns.size = 2 * unknowns.num_pairs();
-    return unknowns;
-  }
-  std::vector<Vec2> scattered(unsigned seed) const {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> place(-0.5, 0.5);
-    std::vector<Vec2> x = flat;
-    for (std::size_t v = 0; v < x.size(); ++v) {
-      if (!rim[v]) x[v] = {place(random), place(random)};
-    }
-    return x;
-  }
-};
-
-}  // namespace
-
 TEST_CASE("untangling: a square whose inner vertices are anywhere is laid out without flips") {
-  const Grid grid(30);
+  const GridMap grid(30);
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const ArapEnergy energy = grid.energy();
     NewtonMap map(grid.exec, energy, grid.inner(), nullptr, grid.scattered(seed));
@@ -91,7 +37,7 @@ TEST_CASE("untangling: a square whose inner vertices are anywhere is laid out wi
 }
 
 TEST_CASE("map energy: forces are half the central differences of the energy") {
-  const Grid grid(4);
+  const GridMap grid(4);
   const ArapEnergy mesh = grid.energy();
   MapEnergy energy(grid.exec, mesh);
   std::vector<Vec2> x = grid.flat, force(x.size()), other(x.size());
@@ -118,7 +64,7 @@ TEST_CASE("map energy: forces are half the central differences of the energy") {
 }
 
 TEST_CASE("map energy: every triangle of a mirrored map is flipped") {
-  const Grid grid(6);
+  const GridMap grid(6);
   const ArapEnergy mesh = grid.energy();
   const MapEnergy energy(grid.exec, mesh);
   CHECK(energy.is_injective(grid.flat));
@@ -137,7 +83,7 @@ TEST_CASE("map energy: a fan that winds twice is overwound though every triangle
     fan.position.push_back({z.x, z.y, 0});
     fan.corner_vertex.insert(fan.corner_vertex.end(), {0, k + 1, (k + 1) % kSpokes + 1});
   }
-  const Grid wheel(fan);
+  const GridMap wheel(fan);
   const ArapEnergy mesh = wheel.energy();
   const MapEnergy energy(wheel.exec, mesh);
   CHECK(energy.is_injective(wheel.flat));
@@ -153,7 +99,7 @@ TEST_CASE("map energy: a fan that winds twice is overwound though every triangle
 }
 
 TEST_CASE("patches: they do not touch, hold their rims, and have the energy of their triangles") {
-  const Grid grid(30);
+  const GridMap grid(30);
   const ArapEnergy mesh = grid.energy();
   std::vector<std::uint8_t> movable(grid.rim.size());
   std::vector<Index> rank(grid.rim.size());
@@ -194,7 +140,7 @@ TEST_CASE("patches: they do not touch, hold their rims, and have the energy of t
 }
 
 TEST_CASE("tutte: a crumpled surface has a map without flips") {
-  Grid grid(15);
+  GridMap grid(15);
   std::mt19937 random(9);
   std::normal_distribution<double> normal;
   Mesh crumpled = grid.mesh;
