@@ -168,6 +168,55 @@ std::vector<DofMap::Motion> DofMap::motions() const {
   return field;
 }
 
+namespace {
+
+/// Sorts, and adds up the values of equal pairs in the order they came.
+void merge(std::vector<DofMap::Curvature>& entries) {
+  const auto pair = [](const DofMap::Curvature& e) { return std::pair(e.column, e.other); };
+  std::stable_sort(entries.begin(), entries.end(),
+                   [&](const auto& a, const auto& b) { return pair(a) < pair(b); });
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < entries.size(); ++i) {
+    if (pair(entries[i]) == pair(entries[last])) {
+      entries[last].value += entries[i].value;
+    } else {
+      entries[++last] = entries[i];
+    }
+  }
+  if (!entries.empty()) entries.resize(last + 1);
+}
+
+}  // namespace
+
+std::vector<DofMap::Curvature> DofMap::curvature(In<Vec2> force) const {
+  std::vector<Curvature> of_slots, of_unknowns;
+  if (!poses_) return of_unknowns;
+  std::vector<double> slot_gradient(poses_->num_slots(), 0);
+  for (const Owner& owner : *owners_) {
+    const Vec2 f = force[owner.vertex];
+    poses_->visit_slot_pairs(owner.body, owner.place, [&](Index a, Index b, Vec2 second) {
+      of_slots.push_back({a, b, dot(second, f)});
+    });
+    poses_->visit_slots(owner.body, owner.place,
+                        [&](Index slot, Vec2 dz) { slot_gradient[slot] += dot(dz, f); });
+  }
+  poses_->visit_joint_pairs(slot_gradient, [&](Index a, Index b, double value) {
+    of_slots.push_back({a, b, value});
+  });
+  merge(of_slots);
+  for (const auto& [a, b, value] : of_slots) {
+    poses_->visit_free(a, [&](Index k, double by_a) {
+      poses_->visit_free(b, [&](Index l, double by_b) {
+        const double product = value * by_a * by_b;
+        if (a != b) of_unknowns.push_back({std::max(k, l), std::min(k, l), k == l ? 2 * product : product});
+        if (a == b && k >= l) of_unknowns.push_back({k, l, product});
+      });
+    });
+  }
+  merge(of_unknowns);
+  return of_unknowns;
+}
+
 DofMap::Border DofMap::border(In<Index> corner_vertex, const Topology& topology,
                               const EdgeWeight& weight) const {
   const Index m = num_border();

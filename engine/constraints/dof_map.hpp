@@ -73,6 +73,14 @@ class DofMap {
     Vec2 value;
   };
   std::vector<Motion> motions() const;
+  /// What turning features and their joints add to half the second derivatives of an energy over the border unknowns, at the
+  /// base: sum of force . d2x, with the forces that joints exert among them. Each pair once, other <= column, sorted; the
+  /// same pairs for any forces.   force [V]: half the gradient at the vertices
+  struct Curvature {
+    Index column, other;
+    double value;
+  };
+  std::vector<Curvature> curvature(In<Vec2> force) const;
   /// An edge of a line with free lengths: how long it is now along the line (below 0: backwards), its rest length, and its
   /// rates of change with the border unknowns at the base.
   struct LineEdge {

@@ -230,6 +230,20 @@ void PoseGroup::pull_back(In<double> slot_gradient, Out<double> gradient) const 
       dense_->tangent.transpose() * g;
 }
 
+std::vector<Vec2> PoseGroup::reactions(In<double> slot_gradient) const {
+  const JointEquations now = PoseAccess::equations(poses_, joint_, slot_.size());
+  Eigen::VectorXd g(static_cast<Eigen::Index>(slot_.size()));
+  for (std::size_t i = 0; i < slot_.size(); ++i) g[static_cast<Eigen::Index>(i)] = slot_gradient[slot_[i]];
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+  solver.setThreshold(kRank);
+  solver.compute(now.derivative.transpose());
+  const Eigen::VectorXd multiplier = solver.solve(g);
+  std::vector<Vec2> reaction;
+  for (Eigen::Index row = 0; row < multiplier.size(); row += 2)
+    reaction.push_back({multiplier[row], multiplier[row + 1]});
+  return reaction;
+}
+
 double PoseGroup::at_base(Index place, Index k) const { return dense_->along(place, k); }
 
 }  // namespace planish

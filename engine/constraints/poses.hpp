@@ -120,6 +120,13 @@ class Poses {
   /// Calls visit(slot, dz) for every slot that a vertex of a body depends on.
   template <class Visit>
   void visit_slots(Index body, Index place, Visit visit) const;
+  /// Calls visit(slot, other, d2z) for every pair of slots whose second derivative of a vertex of a body is not always 0, once.
+  template <class Visit>
+  void visit_slot_pairs(Index body, Index place, Visit visit) const;
+  /// The same for the forces that joints exert, in balance with the gradient that vertices exert on slots: calls visit(slot,
+  /// other, force . d2).   slot_gradient [num_slots]
+  template <class Visit>
+  void visit_joint_pairs(In<double> slot_gradient, Visit visit) const;
   /// Gradient in the free coordinates, where the poses are now.   slot_gradient [num_slots];  gradient [num_free] out
   void pull_back(In<double> slot_gradient, Out<double> gradient) const;
   /// Calls visit(length, rest, from, to) for every edge of the lines with free lengths: its length along the line now and at
@@ -136,6 +143,9 @@ class Poses {
   void lay_out_slots(const Clusters& clusters, In<double> angle);
   void place_over_joints();
   void group_slots();
+  /// Pairs of slots of c t, t given.
+  template <class Visit>
+  void visit_factor_pairs(Index body, Vec2 t, Visit visit) const;
   double length_along(Index body, Index place) const;
 
   const Compiled* compiled_;
@@ -167,6 +177,8 @@ class PoseGroup {
   void pull_back(In<double> slot_gradient, Out<double> gradient) const;
   /// Change of the slot at a place with free coordinate k, at the base.
   double at_base(Index place, Index k) const;
+  /// Multipliers of the joints, in the order of their equations, two each: those that balance the gradient best.
+  std::vector<Vec2> reactions(In<double> slot_gradient) const;
   const std::vector<Index>& joints() const { return joint_; }
 
  private:
@@ -233,6 +245,55 @@ void Poses::visit_slots(Index body, Index place, Visit visit) const {
     visit(s.angle_slot, Vec2{-ct.y, ct.x});
   }
   if (free_lengths && s.tau[place] != kNone) visit(s.tau[place], c);
+}
+
+template <class Visit>
+void Poses::visit_factor_pairs(Index body, Vec2 t, Visit visit) const {
+  const PoseSlots& s = slots_[body];
+  if (s.angle_slot == kNone) return;
+  visit(s.angle_slot, s.angle_slot, -multiply(factor(body), t));
+  if (s.scale_slot == kNone) return;
+  const Vec2 z = multiply(heading(body), t);
+  visit(s.angle_slot, s.scale_slot, Vec2{-z.y, z.x});
+}
+
+template <class Visit>
+void Poses::visit_slot_pairs(Index body, Index place, Visit visit) const {
+  const PoseSlots& s = slots_[body];
+  const Body& b = compiled_->bodies[body];
+  if (b.kind != Body::Kind::FreeLine) return visit_factor_pairs(body, b.shape[place], visit);
+  visit_factor_pairs(body, {length_along(body, place), 0}, visit);
+  if (s.tau[place] == kNone) return;
+  const Vec2 c = factor(body);
+  if (s.angle_slot != kNone) visit(s.angle_slot, s.tau[place], Vec2{-c.y, c.x});
+  if (s.scale_slot != kNone) visit(s.scale_slot, s.tau[place], heading(body));
+}
+
+template <class Visit>
+void Poses::visit_joint_pairs(In<double> slot_gradient, Visit visit) const {
+  const auto along = [&](Vec2 force) {
+    return [&visit, force](Index slot, Index other, Vec2 second) { visit(slot, other, dot(force, second)); };
+  };
+  for (const auto& group : groups_) {
+    const std::vector<Vec2> multiplier = group->reactions(slot_gradient);
+    std::size_t row = 0;  // as PoseGroup writes the equations
+    for (const Index k : group->joints()) {
+      const Joint& joint = agreement_->joints[k];
+      const Vec2 force = multiplier[row++];
+      if (joint.kind == Joint::Kind::Coincide || joint.kind == Joint::Kind::Pin) {
+        visit_slot_pairs(joint.a, joint.place_a, along(-force));
+        if (joint.kind == Joint::Kind::Coincide) visit_slot_pairs(joint.b, joint.place_b, along(force));
+        continue;
+      }
+      const bool fit = joint.kind == Joint::Kind::Fit;
+      if (fit) visit_factor_pairs(joint.b, joint.p0, along(force));
+      const Vec2 on_factor = multiplier[row++];
+      // Where both sizes are given this equation is one of angles, linear.
+      if (compiled_->bodies[joint.a].scale && (!fit || compiled_->bodies[joint.b].scale)) continue;
+      visit_factor_pairs(joint.a, {1, 0}, along(-on_factor));
+      if (fit) visit_factor_pairs(joint.b, joint.c0, along(on_factor));
+    }
+  }
 }
 
 template <class Visit>

@@ -108,12 +108,20 @@ void NewtonMap::move_to(std::vector<Vec2> x) {
 }
 
 double NewtonMap::evaluate_at(std::vector<Vec2>& x, std::vector<Vec2>& force) {
+  return fold(evaluate_vertices(x, force), force);
+}
+
+double NewtonMap::evaluate_vertices(std::vector<Vec2>& x, std::vector<Vec2>& force) {
   double energy = measure_.evaluate(density_, vertices(x), vertices(force));
   if (barrier_) energy += barrier_->add_forces(vertices(x), vertices(force));
-  energy += add_pull(vertices(x), vertices(force));
-  if (!dof_) return energy;
+  return energy + add_pull(vertices(x), vertices(force));
+}
+
+/// Forces at vertices become those in the unknowns, and edges of lines join in.
+double NewtonMap::fold(double energy_of_vertices, std::vector<Vec2>& force) {
+  if (!dof_) return energy_of_vertices;
   dof_->fold(force);
-  return energy + add_line_edges(force);
+  return energy_of_vertices + add_line_edges(force);
 }
 
 double NewtonMap::add_pull(In<Vec2> uv, Out<Vec2> force) const {
@@ -153,12 +161,17 @@ double NewtonMap::gradient() const {
   return std::sqrt(std::max(0.0, -2 * force_times_direction_) / std::max(energy_, 1e-14 * mesh_.area));
 }
 
-/// Tangents at the present place: what the steps since the last base have turned is turned here too.
+/// Tangents at the present place: what the steps since the last base have turned is turned here too; and their curvature.
 void NewtonMap::renew_moves() {
   if (!dof_ || !dof_->poses()) return;
   dof_->rebase(x_);
   set_moves(*dof_, unknowns_);
-  if (dof_->expand(x_)) energy_ = evaluate_at(x_, force_);
+  if (!dof_->expand(x_)) return;
+  energy_ = evaluate_vertices(x_, force_);
+  unknowns_.curvature = dof_->curvature(vertices(force_));
+  const Index border = unknowns_.size - dof_->num_border();  // the first of its unknowns
+  for (DofMap::Curvature& c : unknowns_.curvature) c.column += border, c.other += border;
+  energy_ = fold(energy_, force_);
 }
 
 /// Pairs of the barrier, and zeros for those that are near: the pattern stays while no others come close.

@@ -56,6 +56,8 @@ class NewtonMap {
   bool keeps_positive() const { return density_.kind != MapDensity::Kind::Untangling; }
   Out<Vec2> vertices(std::vector<Vec2>& x) const { return Out<Vec2>(x).first(mesh_.num_vertices()); }
   double evaluate_at(std::vector<Vec2>& x, std::vector<Vec2>& force);
+  double evaluate_vertices(std::vector<Vec2>& x, std::vector<Vec2>& force);
+  double fold(double energy_of_vertices, std::vector<Vec2>& force);
   double add_line_edges(std::vector<Vec2>& force) const;
   double first_reversal() const;
   Result<void> factor(double lift);

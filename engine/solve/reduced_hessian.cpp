@@ -172,12 +172,18 @@ void hold(const Exec& exec, SymmetricMatrix& matrix, In<Index> held) {
 using Columns = std::vector<std::vector<Entry>>;
 
 /// Those of the unknowns that move features.
-Columns last_columns(const Elements& elements, const ReducedUnknowns& unknowns, const MapDensity& density) {
+Columns last_columns(const Elements& elements, const ReducedUnknowns& unknowns, const MapDensity& density,
+                     double projection) {
   const Index first = 2 * unknowns.num_pairs();
   Columns last(unknowns.size - first);
   for (std::size_t k = 0; k < last.size(); ++k) last[k].assign(1, {first + static_cast<Index>(k), 0});
   elements.add_between_moves(last);
   add_line_edges(unknowns, density, first, last);
+  for (const auto& [unknown, other, value] : unknowns.curvature) {
+    const double share = (1 - projection) * value;
+    if (unknown == other) last[other - first].front().value += share;
+    if (unknown != other) last[other - first].push_back({unknown, share});
+  }
   for (std::vector<Entry>& column : last) merge_rows(column);
   return last;
 }
@@ -213,7 +219,7 @@ SymmetricMatrix& ReducedHessian::at(const Exec& exec, const ArapEnergy& mesh, co
     }
   });
   const Elements elements(mesh, unknowns, triangle_, further);
-  const Columns last = last_columns(elements, unknowns, density);
+  const Columns last = last_columns(elements, unknowns, density, projection);
   if (matrix_.column_begin.empty()) matrix_ = find_pattern(exec, elements, unknowns, last);
   const auto begin = [&](Index column) { return matrix_.column_begin[column]; };
   const auto values = [&](Index column) {

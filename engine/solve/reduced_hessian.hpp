@@ -21,7 +21,8 @@ struct ReducedUnknowns {
   };
   std::vector<Index> feature_vertex, feature_place, move_begin;  // feature_place [V] or empty
   std::vector<Move> move;
-  std::vector<DofMap::LineEdge> line;  ///< rates over the unknowns
+  std::vector<DofMap::LineEdge> line;        ///< rates over the unknowns
+  std::vector<DofMap::Curvature> curvature;  ///< of the ways that features are moved, between the unknowns
   Index size = 0;
   std::vector<Index> held;  ///< unknowns that do not move, for their rows to be definite
 
@@ -39,7 +40,7 @@ struct HessianElement {
 };
 
 /// Half the Hessian of a map energy: its pattern is found once, its values at one place after another.
-/// Curvature of the ways that features are moved is left out: what directions add beyond it vanishes with the forces.
+/// Curvature of the ways that features are moved counts as far as the Hessian is the true one.
 class ReducedHessian {
  public:
   /// At uv [V]; holds until the next call, and may be changed until then. Mesh, unknowns and the vertices of further elements

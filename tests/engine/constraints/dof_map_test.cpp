@@ -137,6 +137,38 @@ void check_fold(const Mapped& m, DofMap& dof, std::uint64_t seed) {
   CHECK(worst < 1e-6 * largest);
 }
 
+/// Forces that stay as they are, folded beside the base: how they change is the curvature.
+void check_curvature(const Mapped& m, DofMap& dof, std::uint64_t seed) {
+  std::vector<Vec2> x = random_unknowns(dof, 0.05, seed);
+  REQUIRE(dof.expand(x));
+  dof.rebase(x);
+  REQUIRE(dof.expand(x));
+  std::vector<Vec2> force = half_gradient(m.rest, x, dof.size());
+  for (Index v = 0; v < dof.num_vertices(); ++v) {
+    if (m.system->nodes().fixed[v]) force[v] = {};
+  }
+  const Index size = dof.num_border();
+  Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(size, size), slope(size, size);
+  for (const auto& [column, other, value] : dof.curvature(In<Vec2>(force).first(dof.num_vertices()))) {
+    CHECK(other <= column);
+    curvature(column, other) = curvature(other, column) = value;
+  }
+  constexpr double kStep = 1e-5;
+  const auto folded_beside = [&](Index k, double by) {
+    std::vector<Vec2> moved = x, folded = force;
+    moved[dof.num_nodes() + k].x += by;
+    REQUIRE(dof.expand(moved));
+    dof.fold(folded);
+    Eigen::VectorXd border(size);
+    for (Index l = 0; l < size; ++l) border[l] = folded[dof.num_nodes() + l].x;
+    return border;
+  };
+  for (Index k = 0; k < size; ++k)
+    slope.col(k) = (folded_beside(k, kStep) - folded_beside(k, -kStep)) / (2 * kStep);
+  REQUIRE(slope.cwiseAbs().maxCoeff() > 1e-3);
+  CHECK((curvature - slope).cwiseAbs().maxCoeff() < 1e-6 * slope.cwiseAbs().maxCoeff());
+}
+
 }  // namespace
 
 TEST_CASE(
@@ -149,6 +181,7 @@ TEST_CASE(
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     check_fold(m, *free, seed);
     check_fold(m, *frozen, seed);
+    check_curvature(m, *free, seed);
   }
 }
 
@@ -168,6 +201,26 @@ TEST_CASE("dof map: folded forces are the gradient where a four-bar linkage and 
   const auto dof = m.dof(false);
   CHECK(dof->num_border() == 2 + 1);  // the linkage turns and folds, the curve turns about its pin
   check_fold(m, *dof, 3);
+  check_curvature(m, *dof, 3);
+}
+
+TEST_CASE("dof map: templates that share many vertices turn as one, with the curvature of that") {
+  for (const bool free_scale : {false, true}) {
+    Mapped m(shapes::height_field(kN, shapes::flat));
+    const Scale scale{.factor = free_scale ? std::nullopt : std::optional(1.0)};
+    m.add(m.rest.chain("curve", grid_path(kN, 3, 5, 8, 5)),
+          CurveConstraint{.feature = "curve", .scale = scale});
+    m.add(m.rest.chain("longer", grid_path(kN, 6, 5, 10, 5)),
+          CurveConstraint{.feature = "longer", .scale = scale});
+    m.add(m.rest.chain("line", grid_path(kN, 2, 9, 7, 9)),
+          LineConstraint{.feature = "line", .lengths = Lengths::Scale, .scale = {.factor = {}}});
+    m.set.constraints.push_back(
+        named("parallel", AngleConstraint{.features = {"curve", "line"}, .degrees = 30}));
+    m.build();
+    const auto dof = m.dof(false);
+    check_fold(m, *dof, 7);
+    check_curvature(m, *dof, 7);
+  }
 }
 
 TEST_CASE("dof map: every point of it has the shapes to rounding, shared vertices and angles included") {
