@@ -103,7 +103,9 @@ def threads(program, mesh):
 def constrained(program, mesh):
     features = program.folder / "features.json"
     same = program.sample(MAIN, "--features", features, "--feature-count", "20")
-    taken = in_turns(3, free=lambda: program.flatten(mesh)[0], features=lambda: program.flatten(same, "-c", features)[0])
+    keep = ("--flips", "keep")
+    taken = in_turns(3, free=lambda: program.flatten(mesh, *keep)[0],
+                     features=lambda: program.flatten(same, "-c", features, *keep)[0])
     return {"value": taken["features"] / taken["free"], **taken}
 
 
