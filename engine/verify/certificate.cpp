@@ -13,23 +13,45 @@ struct Weighted {
   double value, weight;
 };
 
+/// The least value up to which the weights of [begin, end) add up to at least `weight`, of those there are; values before it are
+/// no greater afterwards, and `weight` and `begin` are what is left.   Cost: linear, as a rule.
+double select_weighted(std::vector<Weighted>::iterator& begin, std::vector<Weighted>::iterator end,
+                       double& weight) {
+  const auto less = [](const Weighted& a, const Weighted& b) { return a.value < b.value; };
+  while (end - begin > 1) {
+    const auto middle = begin + (end - begin) / 2;
+    std::nth_element(begin, middle, end, less);
+    double below = 0;
+    for (auto at = begin; at != middle; ++at) below += at->weight;
+    if (below >= weight) {
+      end = middle;
+    } else {
+      weight -= below;
+      begin = middle;
+    }
+  }
+  return begin->value;
+}
+
 Spread spread_of(std::vector<Weighted> values) {
-  std::sort(values.begin(), values.end(),
-            [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
   std::vector<double> weight(values.size()), moment(values.size());
+  Spread spread{.min = values.front().value, .max = values.front().value};
   for (std::size_t i = 0; i < values.size(); ++i) {
     weight[i] = values[i].weight;
     moment[i] = values[i].weight * values[i].value;
+    spread.min = std::min(spread.min, values[i].value);
+    spread.max = std::max(spread.max, values[i].value);
   }
   const double total = pairwise_sum(weight);
-  Spread spread{
-      .min = values.front().value, .max = values.back().value, .mean = pairwise_sum(moment) / total};
-  double below = 0;
-  std::size_t i = 0;
+  spread.mean = pairwise_sum(moment) / total;
+  auto begin = values.begin();
+  double before = 0;  // the share whose weight has been passed
+  double left = 0;
   for (const auto& [share, target] :
        {std::pair{0.01, &spread.p1}, {0.50, &spread.p50}, {0.99, &spread.p99}}) {
-    while (i + 1 < values.size() && below + values[i].weight < share * total) below += values[i++].weight;
-    *target = values[i].value;
+    left += (share - before) * total;
+    before = share;
+    *target = select_weighted(begin, values.end(), left);
   }
   return spread;
 }

@@ -2,6 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
+#include "kernels/local/distortion.hpp"
+#include "kernels/local/jacobians.hpp"
 #include "tests/support/shapes.hpp"
 
 using namespace planish;
@@ -91,4 +95,41 @@ TEST_CASE("certificate: means and percentiles are weighted by area") {
   CHECK(c.sigma_max.p50 == Approx(1));
   CHECK(c.sigma_max.p99 == Approx(2));
   CHECK(c.arap == Approx(0.2));
+}
+
+TEST_CASE("certificate: percentiles are those of all triangles in order") {
+  for (const Index side : {2, 3, 17, 60}) {
+    const Mesh mesh =
+        shapes::height_field(side, [](double x, double y) { return 0.4 * std::sin(3 * x) * y; });
+    shapes::Random random(7);
+    auto uv = mapped(mesh, {1, 0.2, 0, 1});
+    for (Vec2& z : uv) z += (0.3 / side) * Vec2{random.uniform(), random.uniform()};
+    const Index num_triangles = mesh.num_triangles();
+    std::vector<RestFrame> frame(num_triangles);
+    rest_frames({0, num_triangles}, mesh.position, mesh.corner_vertex, frame);
+    std::vector<Mat2> jacobian(num_triangles);
+    std::vector<SingularValues> sigma(num_triangles);
+    jacobians({0, num_triangles}, frame, uv, mesh.corner_vertex, jacobian);
+    singular_values({0, num_triangles}, jacobian, sigma);
+    std::vector<std::pair<double, double>> stretch;  // and area
+    double total = 0;
+    for (Index t = 0; t < num_triangles; ++t) {
+      stretch.emplace_back(sigma[t].sigma_max, area(frame[t]));
+      total += area(frame[t]);
+    }
+    std::sort(stretch.begin(), stretch.end());
+    const auto at = [&](double share) {
+      double below = 0;
+      std::size_t i = 0;
+      while (i + 1 < stretch.size() && below + stretch[i].second < share * total)
+        below += stretch[i++].second;
+      return stretch[i].first;
+    };
+    const Certificate c = certificate_of(mesh, uv);
+    CHECK(c.sigma_max.p1 == at(0.01));
+    CHECK(c.sigma_max.p50 == at(0.50));
+    CHECK(c.sigma_max.p99 == at(0.99));
+    CHECK(c.sigma_max.min == stretch.front().first);
+    CHECK(c.sigma_max.max == stretch.back().first);
+  }
 }
