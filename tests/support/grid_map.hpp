@@ -10,6 +10,19 @@
 
 namespace planish {
 
+/// A flat fan of twelve triangles around vertex 0.
+inline Mesh flat_fan() {
+  constexpr Index kSpokes = 12;
+  Mesh fan;
+  fan.position.push_back({0, 0, 0});
+  for (Index k = 0; k < kSpokes; ++k) {
+    const Vec2 z = unit(2 * kPi * k / kSpokes);
+    fan.position.push_back({z.x, z.y, 0});
+    fan.corner_vertex.insert(fan.corner_vertex.end(), {0, k + 1, (k + 1) % kSpokes + 1});
+  }
+  return fan;
+}
+
 /// A grid in the plane, its interior moved as told.
 struct GridMap {
   Exec exec{1};

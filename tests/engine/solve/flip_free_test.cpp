@@ -12,18 +12,6 @@ using namespace planish;
 
 namespace {
 
-Mesh fan() {
-  constexpr Index kSpokes = 12;
-  Mesh mesh;
-  mesh.position.push_back({0, 0, 0});
-  for (Index k = 0; k < kSpokes; ++k) {
-    const Vec2 z = unit(2 * kPi * k / kSpokes);
-    mesh.position.push_back({z.x, z.y, 0});
-    mesh.corner_vertex.insert(mesh.corner_vertex.end(), {0, k + 1, (k + 1) % kSpokes + 1});
-  }
-  return mesh;
-}
-
 /// All that removing flips from maps of a flat mesh needs; its first rotations lay it out without distortion.
 struct FlatProblem : GridMap {
   std::vector<Vec2> rotation;
@@ -75,7 +63,7 @@ std::vector<Vec2> wound_twice(const FlatProblem& wheel) {
 }  // namespace
 
 TEST_CASE("flip removal: what winds twice stays so, unless it begins again at the first map") {
-  FlatProblem wheel(fan());
+  FlatProblem wheel(flat_fan());
   ArapProblem problem = wheel.problem();
   problem.untangles_first_map = false;
   Minimum minimum = wheel.after_steps(wound_twice(wheel));
@@ -92,7 +80,7 @@ TEST_CASE("flip removal: what winds twice stays so, unless it begins again at th
 }
 
 TEST_CASE("flip removal: the last resort is asked for a map when nothing else has led to one") {
-  FlatProblem wheel(fan());
+  FlatProblem wheel(flat_fan());
   ArapProblem problem = wheel.problem();
   int asked = 0;
   problem.last_resort = [&]() -> Result<std::vector<Vec2>> {

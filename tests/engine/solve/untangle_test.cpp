@@ -75,15 +75,7 @@ TEST_CASE("map energy: every triangle of a mirrored map is flipped") {
 }
 
 TEST_CASE("map energy: a fan that winds twice is overwound though every triangle is positive") {
-  constexpr Index kSpokes = 12;
-  Mesh fan;
-  fan.position.push_back({0, 0, 0});
-  for (Index k = 0; k < kSpokes; ++k) {
-    const Vec2 z = unit(2 * kPi * k / kSpokes);
-    fan.position.push_back({z.x, z.y, 0});
-    fan.corner_vertex.insert(fan.corner_vertex.end(), {0, k + 1, (k + 1) % kSpokes + 1});
-  }
-  const GridMap wheel(fan);
+  const GridMap wheel(flat_fan());
   const ArapEnergy mesh = wheel.energy();
   const MapEnergy energy(wheel.exec, mesh);
   CHECK(energy.is_injective(wheel.flat));
