@@ -101,35 +101,31 @@ void add_pair(const Image& a, const Image& b, In<double> rest_area, Overlaps& su
   keep_first(sum.first, 4 * kMaxListedIds);
 }
 
-std::vector<Image> images_of(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
-  std::vector<Image> images(corner_vertex.size() / 3);
+BoxTree tree_of(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv) {
+  std::vector<Box2> box(corner_vertex.size() / 3);
+  exec.for_blocks(static_cast<Index>(box.size()), kBlock, [&](Index, Range r) {
+    for (Index t = r.begin; t < r.end; ++t) {
+      for (Index c = 3 * t; c < 3 * t + 3; ++c) box[t].add(uv[corner_vertex[c]]);
+    }
+  });
+  return BoxTree(exec, box);
+}
+
+std::vector<Image> images_of(const Exec& exec, In<Index> order, In<Index> corner_vertex, In<Vec2> uv) {
+  std::vector<Image> images(order.size());
   exec.for_blocks(static_cast<Index>(images.size()), kBlock, [&](Index, Range r) {
-    for (Index t = r.begin; t < r.end; ++t) images[t] = image_of(t, corner_vertex, uv);
+    for (Index k = r.begin; k < r.end; ++k) images[k] = image_of(order[k], corner_vertex, uv);
   });
   return images;
-}
-
-std::vector<Image> in_order(const std::vector<Image>& images, In<Index> order) {
-  std::vector<Image> sorted;
-  sorted.reserve(images.size());
-  for (const Index i : order) sorted.push_back(images[i]);
-  return sorted;
-}
-
-BoxTree tree_of(const Exec& exec, In<Image> images) {
-  std::vector<Box2> box;
-  box.reserve(images.size());
-  for (const Image& image : images) box.push_back(image.box);
-  return BoxTree(exec, box);
 }
 
 /// Calls visit(block, a, b) for overlapping pairs, blocks in parallel.
 class PairSearch {
  public:
   PairSearch(const Exec& exec, In<Index> corner_vertex, In<Vec2> uv)
-      : exec_(exec), images_(images_of(exec, corner_vertex, uv)), tree_(tree_of(exec, images_)) {
-    images_ = in_order(images_, tree_.order());
-  }
+      : exec_(exec),
+        tree_(tree_of(exec, corner_vertex, uv)),
+        images_(images_of(exec, tree_.order(), corner_vertex, uv)) {}
   Index num_blocks() const { return Exec::num_blocks(tree_.num_leaves(), kLeavesPerBlock); }
   In<Image> images() const { return images_; }
 
@@ -155,8 +151,8 @@ class PairSearch {
  private:
   static constexpr Index kLeavesPerBlock = 256;
   const Exec& exec_;
-  std::vector<Image> images_;
   BoxTree tree_;
+  std::vector<Image> images_;  // in the order of its leaves
 };
 
 }  // namespace
