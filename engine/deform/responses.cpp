@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <Eigen/Dense>
 
 #include "engine/solve/quasi_newton.hpp"
 
@@ -21,22 +22,6 @@ double product(In<Vec2> a, In<Vec2> b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += dot(a[i], b[i]);
   return sum;
-}
-
-/// Solves matrix x = rhs in place, matrix [n * n] symmetric positive definite.
-void solve_dense(std::vector<double>& matrix, std::vector<double>& rhs) {
-  const std::size_t n = rhs.size();
-  for (std::size_t k = 0; k < n; ++k) {
-    for (std::size_t i = k + 1; i < n; ++i) {
-      const double factor = matrix[i * n + k] / matrix[k * n + k];
-      for (std::size_t j = k; j < n; ++j) matrix[i * n + j] -= factor * matrix[k * n + j];
-      rhs[i] -= factor * rhs[k];
-    }
-  }
-  for (std::size_t k = n; k-- > 0;) {
-    for (std::size_t j = k + 1; j < n; ++j) rhs[k] -= matrix[k * n + j] * rhs[j];
-    rhs[k] /= matrix[k * n + k];
-  }
 }
 
 }  // namespace
@@ -62,15 +47,16 @@ std::vector<double> Responses::shares(In<Vec2> held, double second_order, double
     const double first = product(a, b) / squared;
     return first + second_order * first * first;
   };
-  std::vector<double> matrix(n * n), share(n);
-  double most = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) matrix[i * n + j] = kernel(place[i], place[j]);
-    share[i] = kernel(place[i], held);
-    most = std::max(most, matrix[i * n + i]);
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::MatrixXd matrix(size, size);
+  Eigen::VectorXd rhs(size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    for (Eigen::Index j = 0; j < size; ++j) matrix(i, j) = kernel(place[i], place[j]);
+    rhs[i] = kernel(place[i], held);
   }
-  for (std::size_t i = 0; i < n; ++i) matrix[i * n + i] += kRidge * most;
-  solve_dense(matrix, share);
+  matrix.diagonal().array() += kRidge * matrix.diagonal().maxCoeff();
+  const Eigen::VectorXd solution = matrix.ldlt().solve(rhs);
+  std::vector<double> share(solution.begin(), solution.end());
   std::vector<Vec2> rest(held.begin(), held.end());
   for (std::size_t j = 0; j < n; ++j) {
     for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = rest[i] - share[j] * place[j][i];

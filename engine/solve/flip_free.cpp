@@ -142,25 +142,10 @@ class Polish {
         apart ? kLoosest : std::min(kLoosest, std::max(kShare * left_, options_.tolerance));
     std::vector<Vec2> x = map_.x();
     const double before = map_.energy();
-    const std::vector<Index> around = apart ? std::vector<Index>() : stirred();
-    if (auto done = patches_.relax(density_, tolerance, before, around, monitor_, x); !done) return done;
+    if (auto done = patches_.relax(density_, tolerance, before, monitor_, x); !done) return done;
     map_.move_to(std::move(x));
     patches_help_ = !apart || map_.energy() < before;
     return {};
-  }
-
-  /// Vertices that the last step moved by a good share of the most that it moved any; none where that is much of the map,
-  /// for then patches are no cheaper than the whole.
-  std::vector<Index> stirred() const {
-    constexpr double kShare = 0.1, kMuch = 0.125;
-    const In<Vec2> move = map_.last_direction();
-    double most = 0;
-    for (const Vec2& d : move) most = std::max(most, dot(d, d));
-    std::vector<Index> vertices = select(exec_, static_cast<Index>(move.size()), [&](Index v) {
-      return dot(move[v], move[v]) > kShare * kShare * most;
-    });
-    if (static_cast<double>(vertices.size()) > kMuch * static_cast<double>(move.size())) vertices.clear();
-    return vertices;
   }
 
   Result<void> record() {

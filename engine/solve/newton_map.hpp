@@ -27,8 +27,6 @@ class NewtonMap {
   bool is_positive() const {
     return measure_.flipped(uv()).empty() && (!dof_ || dof_->reversed_edges() == 0);
   }
-  /// Direction of the last step [V], of free vertices alone.
-  In<Vec2> last_direction() const { return In<Vec2>(direction_).first(mesh_.num_vertices()); }
   /// Another place to go on from; x as in the constructor.
   void move_to(std::vector<Vec2> x);
 

@@ -154,15 +154,11 @@ Result<void> PatchWork::untangle(const MapDensity& density, const Monitor& monit
 }
 
 Result<void> PatchWork::relax(const MapDensity& density, double tolerance, double whole_energy,
-                              In<Index> stirred, const Monitor& monitor, Out<Vec2> x) {
+                              const Monitor& monitor, Out<Vec2> x) {
   constexpr int kMostDescent = 200;
-  std::vector<Index> seeds = compressed(x);
-  for (const Index v : stirred) {
-    for (const Index c : slice(mesh_.star_corner, mesh_.stars.group(v))) seeds.push_back(c / 3);
-  }
   const Aim aim{
       .untangle = false, .tolerance = tolerance, .whole_energy = whole_energy, .most_steps = kMostDescent};
-  return run(grow_patches(mesh_, seeds, kRings, movable_, rank_), density, aim, monitor, x);
+  return run(grow_patches(mesh_, compressed(x), kRings, movable_, rank_), density, aim, monitor, x);
 }
 
 }  // namespace planish

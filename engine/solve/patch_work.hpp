@@ -15,11 +15,11 @@ class PatchWork {
   /// Patches that cannot be mended stay as they were.   Fails: OutOfMemory, Cancelled.
   Result<void> untangle(const MapDensity& density, const Monitor& monitor, Out<Vec2> x);
 
-  /// Lowers the energy in patches around what is compressed most and around stirred vertices: there it is far from quadratic,
-  /// and steps of the whole map would all be cut short by the worst place. Until the gradient of DESIGN 3.5, over the energy
-  /// of the whole, is at most the tolerance.   Pre: no flips.   Fails: as above.
-  Result<void> relax(const MapDensity& density, double tolerance, double whole_energy, In<Index> stirred,
-                     const Monitor& monitor, Out<Vec2> x);
+  /// Lowers the energy in patches around what is compressed most: there it is far from quadratic, and steps of the whole
+  /// map would all be cut short by the worst place. Until the gradient of DESIGN 3.5, over the energy of the whole, is at
+  /// most the tolerance.   Pre: no flips.   Fails: as above.
+  Result<void> relax(const MapDensity& density, double tolerance, double whole_energy, const Monitor& monitor,
+                     Out<Vec2> x);
 
   Index steps_done() const { return steps_; }  ///< Newton steps of the slowest patches, added up
 

@@ -72,6 +72,8 @@ TEST_CASE("flips: a finger has some where they are kept, and none by default") {
   CHECK(flips.at("method") == "untangle");
   CHECK(flips.at("flipped_before") == 0);  // its first map has none: no step is kept that would flip one
   CHECK(flips.at("newton_steps").get<int>() > 0);
+  CHECK(flips.at("newton_steps").get<int>() <
+        6);  // patches leave the whole little to do: 7 where they end at 1e-4
   CHECK(flips.at("barrier").at("delta") == 0.2);
   CHECK(flips.at("energy").get<double>() >= report.at("energy").at("arap").get<double>());
   CHECK(run("verify " + finger.scratch.file("o.ply")).code == 0);

@@ -138,3 +138,25 @@ TEST_CASE("reduced hessian: held unknowns are unit rows, and one thread or many 
   }
   CHECK(many.at(Exec(7), mesh, unknowns, kDensities[0], 1, x).value == matrix.value);
 }
+
+TEST_CASE("reduced hessian: curvature of the ways of features counts as far as it is not projected") {
+  const GridMap grid(6);
+  const ArapEnergy mesh = grid.energy();
+  const ReducedUnknowns straight = carried(grid.inner(), 4);
+  ReducedUnknowns curved = straight;
+  const Index last = straight.size - 1;
+  curved.curvature = {{last, last, -3}, {last, last - 2, 7}};
+  const std::vector<Vec2> x = disturbed(grid, 2);
+  for (const double projection : {0.0, 0.25, 1.0}) {
+    ReducedHessian one, other;
+    Dense expected = dense(one.at(grid.exec, mesh, straight, kDensities[0], projection, x));
+    const Dense found = dense(other.at(grid.exec, mesh, curved, kDensities[0], projection, x));
+    expected[last][last] += (1 - projection) * -3;
+    expected[last][last - 2] += (1 - projection) * 7;
+    expected[last - 2][last] += (1 - projection) * 7;
+    for (Index row = 0; row < straight.size; ++row) {
+      for (Index column = 0; column < straight.size; ++column)
+        CHECK(found[row][column] == doctest::Approx(expected[row][column]).epsilon(1e-12));
+    }
+  }
+}
