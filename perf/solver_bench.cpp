@@ -127,7 +127,7 @@ void solve_vs_cholmod(benchmark::State& state) {
 void solve_single_vs_cholmod(benchmark::State& state) {
   Scene& s = Scene::get();
   GlobalPhase rounded = *GlobalPhase::factor(s.exec, s.laplacian, s.own);
-  rounded.round_to_single(s.exec);
+  rounded.round(s.exec);
   std::vector<Vec2> x = solved(rounded, s.exec, s.rhs);
   require(largest_difference(x, s.cholmod->solve(s.rhs)) < 1e-2, "solve in single precision");
   in_turns(

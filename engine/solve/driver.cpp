@@ -75,14 +75,14 @@ class Iteration {
   Result<void> start_near() {
     x_.assign(problem_.near.begin(), problem_.near.end());
     if (problem_.dof->num_vertices() >= kLeastRounded && !problem_.global->is_rounded())
-      problem_.global->round_to_single(exec_);
+      problem_.global->round(exec_);
     return use(*problem_.dof).and_then([&] { return resume(); });
   }
 
   /// From the exact step to the iteration: another DOF map, a metric that is cheaper to solve with.
   Result<void> set_free() {
     const bool round = dof_->num_vertices() >= kLeastRounded && !problem_.global->is_rounded();
-    if (round) problem_.global->round_to_single(exec_);
+    if (round) problem_.global->round(exec_);
     if (problem_.dof != problem_.first) return use(*problem_.dof);
     return round ? refresh() : Result<void>();
   }

@@ -14,10 +14,51 @@ Result<Offset> factor_nonzeros(const SymmetricMatrix& matrix, In<Index> order) {
   return count_factor(matrix, order);
 }
 
+namespace {
+
+/// The factor in 16 bits an entry.
+class Strips {
+ public:
+  Strips() = default;
+  explicit Strips(const CholeskyAnalysis& a) : begin_(a.num_supernodes() + std::size_t{1}) {
+    for (Index s = 0; s < a.num_supernodes(); ++s)
+      begin_[s + 1] = begin_[s] + strips_size(a.columns(s), a.rows(s));
+    entry_ = LargeArray<std::int16_t>(begin_.back());
+    for (std::vector<float>* numbers : {&scale_, &diagonal_, &inverse_})
+      numbers->resize(a.size() + kStripColumns);
+  }
+
+  bool empty() const { return begin_.empty(); }
+
+  void make(const CholeskyAnalysis& a, Range supernodes, const double* value) {
+    std::vector<double> scratch;
+    for (Index s = supernodes.begin; s < supernodes.end; ++s) {
+      scratch.resize(std::max<std::size_t>(scratch.size(), a.rows(s) + kStripRows));
+      const StripColumns<float> column{scale_.data(), diagonal_.data(), inverse_.data()};
+      make_strips({a.columns(s), a.rows(s), value + a.value_begin[s]}, entry_.data() + begin_[s],
+                  column.from(a.super[s]), scratch.data());
+    }
+  }
+
+  StripFactor view() const {
+    return {begin_,
+            entry_.data(),
+            {scale_.data(), diagonal_.data(), inverse_.data()},
+            &strip_solves(best_instruction_set())};
+  }
+
+ private:
+  std::vector<Offset> begin_;
+  LargeArray<std::int16_t> entry_;
+  std::vector<float> scale_, diagonal_, inverse_;
+};
+
+}  // namespace
+
 struct GlobalPhase::Factor {
   CholeskyAnalysis analysis;
   LargeArray<double> value;
-  LargeArray<float> rounded;
+  Strips strips;
   SupernodeTree tree;
 
   SupernodalFactor view() const {
@@ -26,7 +67,7 @@ struct GlobalPhase::Factor {
             .row = analysis.row,
             .value_begin = analysis.value_begin,
             .value = value.data(),
-            .rounded = rounded.data(),
+            .strips = strips.view(),
             .solves = &panel_solves(best_instruction_set()),
             .permutation = analysis.permutation};
   }
@@ -67,7 +108,7 @@ Result<GlobalPhase> GlobalPhase::factor(const Exec& exec, const SymmetricMatrix&
 
 Result<void> GlobalPhase::refactor(const Exec& exec, const SymmetricMatrix& matrix) try {
   Factor& f = *factor_;
-  f.rounded = {};
+  f.strips = {};
   if (f.value.size() == 0) f.value = LargeArray<double>(f.analysis.factor_nonzeros());
   const Index bad =
       factor_fronts(exec, f.analysis, dense_kernels(best_instruction_set()), matrix.value, f.value.data());
@@ -82,39 +123,38 @@ Result<void> GlobalPhase::refactor(const Exec& exec, const SymmetricMatrix& matr
   return no_memory();
 }
 
-void GlobalPhase::round_to_single(const Exec& exec) {
+void GlobalPhase::round(const Exec& exec) {
   Factor& f = *factor_;
   if (is_rounded()) return;
-  f.rounded = LargeArray<float>(f.value.size());
-  constexpr Index kPart = 1 << 20;
-  exec.for_tasks(static_cast<Index>((f.value.size() + kPart - 1) / kPart), [&](Index part) {
-    const Offset begin = static_cast<Offset>(part) * kPart, end = std::min(begin + kPart, f.value.size());
-    std::copy(f.value.data() + begin, f.value.data() + end, f.rounded.data() + begin);
-    f.value.discard(begin, end);  // both precisions are never there at once
+  const CholeskyAnalysis& a = f.analysis;
+  f.strips = Strips(a);
+  constexpr Offset kPart = 1 << 20;  // values
+  std::vector<Index> begin = {0};
+  for (Index s = 1; s <= a.num_supernodes(); ++s) {
+    if (s == a.num_supernodes() || a.value_begin[s + 1] - a.value_begin[begin.back()] > kPart)
+      begin.push_back(s);
+  }
+  exec.for_tasks(static_cast<Index>(begin.size()) - 1, [&](Index part) {
+    const Range supernodes{begin[part], begin[part + 1]};
+    f.strips.make(a, supernodes, f.value.data());
+    // Both precisions are never there at once.
+    f.value.discard(a.value_begin[supernodes.begin], a.value_begin[supernodes.end]);
   });
   f.value = {};
 }
 
-bool GlobalPhase::is_rounded() const { return factor_->rounded.data() != nullptr; }
+bool GlobalPhase::is_rounded() const { return !factor_->strips.empty(); }
 
 void GlobalPhase::solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const {
   if (!rhs.empty()) factor_->tree.solve(exec, factor_->view(), rhs, x);
 }
 
 void GlobalPhase::forward(const Exec& exec, In<Vec2> rhs, Out<Vec2> half) const {
-  const SupernodalFactor f = factor_->view();
-  exec.for_blocks(static_cast<Index>(half.size()), kBlock, [&](Index, Range r) {
-    for (Index k = r.begin; k < r.end; ++k) half[k] = rhs[f.permutation[k]];
-  });
-  factor_->tree.forward(exec, f, half);
+  factor_->tree.forward(exec, factor_->view(), rhs, half);
 }
 
-void GlobalPhase::backward(const Exec& exec, Out<Vec2> half, Out<Vec2> x) const {
-  const SupernodalFactor f = factor_->view();
-  factor_->tree.backward(exec, f, half);
-  exec.for_blocks(static_cast<Index>(half.size()), kBlock, [&](Index, Range r) {
-    for (Index k = r.begin; k < r.end; ++k) x[f.permutation[k]] = half[k];
-  });
+void GlobalPhase::backward(const Exec& exec, In<Vec2> half, Out<Vec2> x) const {
+  factor_->tree.backward(exec, factor_->view(), half, x);
 }
 
 namespace {
@@ -141,16 +181,21 @@ std::vector<SparseColumn> GlobalPhase::forward(const Exec& exec, const std::vect
   const auto num_columns = static_cast<Index>(rhs.size());
   const Index columns_a_task = (num_columns + kMostTasks - 1) / kMostTasks;
   exec.for_blocks(num_columns, std::max(1, columns_a_task), [&](Index, Range r) {
-    std::vector<Vec2> workspace(place.size());
+    std::vector<SparseColumn> permuted;
+    for (Index k = r.begin; k < r.end; ++k) {
+      if (k > r.begin && is_i_times(rhs[k], rhs[k - 1])) continue;
+      permuted.push_back(rhs[k]);
+      for (Index& row : permuted.back().row) row = place[row];
+    }
+    std::vector<SparseColumn> solved = factor_->tree.forward(f, permuted);
+    std::size_t next = 0;
     for (Index k = r.begin; k < r.end; ++k) {
       if (k > r.begin && is_i_times(rhs[k], rhs[k - 1])) {
         result[k] = result[k - 1];
         for (Vec2& z : result[k].value) z = times_i(z);
-        continue;
+      } else {
+        result[k] = std::move(solved[next++]);
       }
-      SparseColumn permuted = rhs[k];
-      for (Index& row : permuted.row) row = place[row];
-      result[k] = factor_->tree.forward(f, permuted, workspace);
     }
   });
   return result;

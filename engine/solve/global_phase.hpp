@@ -30,24 +30,24 @@ class GlobalPhase {
   /// called. Fails: as factor().
   Result<void> refactor(const Exec& exec, const SymmetricMatrix& matrix);
 
-  /// Keeps the factor in single precision alone: half the memory, and half the traffic of solves. What they solve
-  /// with is a matrix that differs from the one given by 1e-7 of its entries, exactly the same in every solve; all else is
-  /// in double. For iterations that need a metric, not a solution. Until the next refactor.
-  void round_to_single(const Exec& exec);
+  /// Keeps the factor in 16 bits an entry alone (kernels/sparse/strip_panel.hpp): a quarter of the memory and of the traffic of
+  /// solves, whose arithmetic then is in single precision. What they solve with is one symmetric positive definite matrix, near
+  /// the given one in the energy of every function, smooth or not. For iterations that need a metric, not a solution. Until the
+  /// next refactor.   Cost: some ten solves.
+  void round(const Exec& exec);
   bool is_rounded() const;
 
   GlobalPhase(GlobalPhase&&) noexcept;
   GlobalPhase& operator=(GlobalPhase&&) noexcept;
   ~GlobalPhase();
 
-  /// x = matrix^-1 rhs for both components.   rhs, x [n], may be the same array.
-  /// Cost: reads the factor
-  /// twice.
+  /// x = matrix^-1 rhs for both components.   rhs, x [n], may be the same array. Solves share memory that the first one takes:
+  /// one at a time.   Cost: reads the factor twice.
   void solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const;
 
   /// The two halves of a solve, for systems that this one is a part of: half = L^-1 P rhs, x = P^T L^-T half.
   void forward(const Exec& exec, In<Vec2> rhs, Out<Vec2> half) const;
-  void backward(const Exec& exec, Out<Vec2> half, Out<Vec2> x) const;
+  void backward(const Exec& exec, In<Vec2> half, Out<Vec2> x) const;
   /// The first half for sparse right-hand sides; rows of rhs are those of the matrix, of the results those of half.
   /// Cost: reads the panels between the entries and the roots, per column.
   std::vector<SparseColumn> forward(const Exec& exec, const std::vector<SparseColumn>& rhs) const;

@@ -1,6 +1,7 @@
 #include "engine/solve/supernode_tree.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include "engine/solve/subtrees.hpp"
 #include "kernels/base/offsets.hpp"
@@ -12,64 +13,72 @@ namespace {
 // cheaply.
 constexpr double kSubtreeShare = 1.0 / 16, kLeastSubtree = 2e4;  // entries
 
-Panel panel(const SupernodalFactor& f, Index s) {
-  return {f.super[s + 1] - f.super[s], f.row_begin[s + 1] - f.row_begin[s], f.value + f.value_begin[s]};
+In<Index> rows_of(const SupernodalFactor& f, Index s) {
+  return slice(f.row, {f.row_begin[s], f.row_begin[s + 1]});
 }
 
-FloatPanel rounded_panel(const SupernodalFactor& f, Index s) {
-  return {f.super[s + 1] - f.super[s], f.row_begin[s + 1] - f.row_begin[s], f.rounded + f.value_begin[s]};
-}
+/// The factor as it was computed.
+struct WidePanels {
+  using Point = Vec2;
+  using Number = double;
+  static Offset scratch_size(Index rows) { return Offset{2} * rows; }
 
-In<Index> rows_below(const SupernodalFactor& f, Index s) {
-  return slice(f.row, {f.row_begin[s] + (f.super[s + 1] - f.super[s]), f.row_begin[s + 1]});
-}
+  static Panel panel(const SupernodalFactor& f, Index s) {
+    return {f.columns(s), f.rows(s), f.value + f.value_begin[s]};
+  }
 
-/// The panel's rows of the right-hand side, one array a coordinate.
-struct PanelRows {
-  explicit PanelRows(Index most_rows) : u(most_rows), v(most_rows) {}
+  /// Substitution of one supernode; `inside` of the rows below receive what the panel takes from them, the rest stays in scratch.
+  static void forward(const SupernodalFactor& f, Index s, Index inside, Vec2* y, double* scratch) {
+    const Panel p = panel(f, s);
+    const In<Index> row = rows_of(f, s);
+    double* u = scratch;
+    double* v = scratch + p.rows;
+    for (Index j = 0; j < p.columns; ++j) u[j] = y[row[j]].x, v[j] = y[row[j]].y;
+    std::fill(u + p.columns, u + p.rows, 0.0);
+    std::fill(v + p.columns, v + p.rows, 0.0);
+    f.solves->forward(p, u, v);
+    for (Index j = 0; j < p.columns; ++j) y[row[j]] = {u[j], v[j]};
+    for (Index i = p.columns; i < p.columns + inside; ++i) y[row[i]] += {u[i], v[i]};
+  }
+  static Vec2 taken(const double* scratch, Index rows, Index i) { return {scratch[i], scratch[rows + i]}; }
 
-  void set(Index i, Vec2 z) { u[i] = z.x, v[i] = z.y; }
-  Vec2 get(Index i) const { return {u[i], v[i]}; }
-
-  std::vector<double> u, v;
+  static void backward(const SupernodalFactor& f, Index s, Vec2* y, double* scratch) {
+    const Panel p = panel(f, s);
+    const In<Index> row = rows_of(f, s);
+    double* u = scratch;
+    double* v = scratch + p.rows;
+    for (Index i = 0; i < p.rows; ++i) u[i] = y[row[i]].x, v[i] = y[row[i]].y;
+    f.solves->backward(p, u, v);
+    for (Index j = 0; j < p.columns; ++j) y[row[j]] = {u[j], v[j]};
+  }
 };
 
-void load_columns(const SupernodalFactor& f, Index s, In<Vec2> y, PanelRows& rows) {
-  for (Index j = f.super[s]; j < f.super[s + 1]; ++j) rows.set(j - f.super[s], y[j]);
-}
+/// The factor in single precision.
+struct NarrowPanels {
+  using Point = FloatVec2;
+  using Number = float;
+  static Offset scratch_size(Index rows) { return strip_scratch(rows); }
 
-void store_columns(const SupernodalFactor& f, Index s, const PanelRows& rows, Out<Vec2> y) {
-  for (Index j = f.super[s]; j < f.super[s + 1]; ++j) y[j] = rows.get(j - f.super[s]);
-}
-
-/// Forward substitution of one supernode; add(row, update) receives what goes to the rows below.
-template <class Add>
-void forward_one(const SupernodalFactor& f, Index s, PanelRows& rows, Out<Vec2> y, Add add) {
-  const Panel p = panel(f, s);
-  load_columns(f, s, y, rows);
-  for (Index i = p.columns; i < p.rows; ++i) rows.set(i, {});
-  if (f.rounded) {
-    f.solves->forward_single(rounded_panel(f, s), rows.u.data(), rows.v.data());
-  } else {
-    f.solves->forward(p, rows.u.data(), rows.v.data());
+  static StripPanel panel(const SupernodalFactor& f, Index s) {
+    return {f.columns(s), f.rows(s), f.strips.entry + f.strips.begin[s], f.strips.column.from(f.super[s])};
   }
-  store_columns(f, s, rows, y);
-  const In<Index> below = rows_below(f, s);
-  for (Index i = p.columns; i < p.rows; ++i) add(below[i - p.columns], rows.get(i));
-}
-
-void backward_one(const SupernodalFactor& f, Index s, PanelRows& rows, Out<Vec2> y) {
-  const Panel p = panel(f, s);
-  load_columns(f, s, y, rows);
-  const In<Index> below = rows_below(f, s);
-  for (Index i = p.columns; i < p.rows; ++i) rows.set(i, y[below[i - p.columns]]);
-  if (f.rounded) {
-    f.solves->backward_single(rounded_panel(f, s), rows.u.data(), rows.v.data());
-  } else {
-    f.solves->backward(p, rows.u.data(), rows.v.data());
+  static void forward(const SupernodalFactor& f, Index s, Index inside, FloatVec2* y, float* scratch) {
+    f.strips.solves->forward(panel(f, s), &f.row[f.row_begin[s]], inside, y, scratch);
   }
-  store_columns(f, s, rows, y);
-}
+  static FloatVec2 taken(const float* scratch, Index, Index i) {
+    return {scratch[2 * i], scratch[2 * i + 1]};
+  }
+  static void backward(const SupernodalFactor& f, Index s, FloatVec2* y, float* scratch) {
+    f.strips.solves->backward(panel(f, s), &f.row[f.row_begin[s]], y, scratch);
+  }
+};
+
+void add(Vec2& y, Vec2 update) { y += update; }
+void add(FloatVec2& y, FloatVec2 update) { y.x += update.x, y.y += update.y; }
+void set(Vec2& y, Vec2 z) { y = z; }
+void set(FloatVec2& y, Vec2 z) { y = {static_cast<float>(z.x), static_cast<float>(z.y)}; }
+Vec2 wide(Vec2 z) { return z; }
+Vec2 wide(FloatVec2 z) { return {z.x, z.y}; }
 
 /// Parent of each supernode: the one that holds its first row below; kNone at roots.
 std::vector<Index> supernode_parents(const SupernodalFactor& f) {
@@ -79,11 +88,38 @@ std::vector<Index> supernode_parents(const SupernodalFactor& f) {
   }
   std::vector<Index> parent(f.num_supernodes(), kNone);
   for (Index s = 0; s < f.num_supernodes(); ++s) {
-    const In<Index> below = rows_below(f, s);
-    if (!below.empty()) parent[s] = supernode_of[below.front()];
+    if (f.rows(s) > f.columns(s)) parent[s] = supernode_of[rows_of(f, s)[f.columns(s)]];
   }
   return parent;
 }
+
+/// Supernodes by their height among `top`, which is ascending.
+std::vector<std::vector<Index>> by_height(In<Index> top, In<Index> parent) {
+  std::vector<Index> height(parent.size());
+  std::vector<std::vector<Index>> level;
+  for (const Index s : top) {
+    if (height[s] == static_cast<Index>(level.size())) level.emplace_back();
+    level[height[s]].push_back(s);
+    if (parent[s] != kNone) height[parent[s]] = std::max(height[parent[s]], height[s] + 1);
+  }
+  return level;
+}
+
+/// Scratch of one task, on a cache line.
+template <class Number>
+class Scratch {
+ public:
+  explicit Scratch(Offset size) : room_(size + 64 / sizeof(Number)) {
+    void* begin = room_.data();
+    std::size_t space = room_.size() * sizeof(Number);
+    aligned_ = static_cast<Number*>(std::align(64, size * sizeof(Number), begin, space));
+  }
+  operator Number*() { return aligned_; }
+
+ private:
+  std::vector<Number> room_;
+  Number* aligned_ = nullptr;
+};
 
 }  // namespace
 
@@ -92,15 +128,14 @@ SupernodeTree::SupernodeTree(const SupernodalFactor& f) {
   parent_ = supernode_parents(f);
   std::vector<double> work(n);
   for (Index s = 0; s < n; ++s) {
-    const Panel p = panel(f, s);
-    work[s] = static_cast<double>(p.columns) * p.rows;
-    most_rows_ = std::max(most_rows_, p.rows);
+    work[s] = static_cast<double>(f.columns(s)) * f.rows(s);
+    most_rows_ = std::max(most_rows_, f.rows(s));
   }
   Subtrees split = split_into_subtrees(parent_, work, kSubtreeShare, kLeastSubtree);
   subtree_ = std::move(split.subtree);
-  top_ = std::move(split.top);
+  top_level_ = by_height(split.top, parent_);
   top_place_.assign(f.super.back(), kNone);
-  for (const Index s : top_) {
+  for (const Index s : split.top) {
     for (Index j = f.super[s]; j < f.super[s + 1]; ++j) {
       top_place_[j] = static_cast<Index>(top_column_.size());
       top_column_.push_back(j);
@@ -108,38 +143,147 @@ SupernodeTree::SupernodeTree(const SupernodalFactor& f) {
   }
 }
 
-void SupernodeTree::forward(const Exec& exec, const SupernodalFactor& f, Out<Vec2> y) const {
-  const auto num_tasks = static_cast<Index>(subtree_.size());
-  const std::size_t num_top = top_column_.size();
-  std::vector<Vec2> top_update(num_top * num_tasks);  // each task's own sum for the columns above the tasks
-  exec.for_tasks(num_tasks, [&](Index task) {
-    const Out<Vec2> to_top = Out<Vec2>(top_update).subspan(task * num_top, num_top);
-    PanelRows rows(most_rows_);
-    for (Index s = subtree_[task].begin; s < subtree_[task].end; ++s) {
-      forward_one(f, s, rows, y, [&](Index row, Vec2 update) {
-        const Index place = top_place_[row];
-        (place == kNone ? y[row] : to_top[place]) += update;
+/// One solve, with either kind of panels.
+template <class Panels>
+class SupernodeTree::Solve {
+ public:
+  using Point = typename Panels::Point;
+
+  Solve(const Exec& exec, const SupernodeTree& tree, const SupernodalFactor& factor,
+        SolveMemory<Point>& memory)
+      : exec_(exec), tree_(tree), f_(factor), memory_(memory) {
+    memory.y.resize(f_.permutation.size());
+    memory.to_top.resize(tree.subtree_.size() * tree.top_column_.size());
+  }
+
+  /// load(k): the right-hand side at place k.
+  template <class Load>
+  void load(Load&& load) {
+    for_places([&](Index k) { set(memory_.y[k], load(k)); });
+  }
+  /// store(k, solution at place k)
+  template <class Store>
+  void store(Store&& store) {
+    for_places([&](Index k) { store(k, wide(memory_.y[k])); });
+  }
+
+  void forward() {
+    exec_.for_tasks(static_cast<Index>(tree_.subtree_.size()), [&](Index task) { forward_subtree(task); });
+    add_to_top();
+    for (const std::vector<Index>& level : tree_.top_level_) forward_level(level);
+  }
+
+  void backward() {
+    for (std::size_t k = tree_.top_level_.size(); k-- > 0;) {
+      const std::vector<Index>& level = tree_.top_level_[k];
+      exec_.for_tasks(static_cast<Index>(level.size()), [&](Index i) {
+        Panels::backward(f_, level[i], memory_.y.data(), scratch(f_.rows(level[i])));
       });
     }
-  });
-  exec.for_blocks(static_cast<Index>(num_top), kBlock, [&](Index, Range r) {
-    for (Index i = r.begin; i < r.end; ++i) {
-      for (Index task = 0; task < num_tasks; ++task) y[top_column_[i]] += top_update[task * num_top + i];
-    }
-  });
-  PanelRows rows(most_rows_);
-  for (const Index s : top_) {
-    forward_one(f, s, rows, y, [&](Index row, Vec2 update) { y[row] += update; });
+    exec_.for_tasks(static_cast<Index>(tree_.subtree_.size()), [&](Index task) {
+      const Range subtree = tree_.subtree_[task];
+      auto own = scratch(tree_.most_rows_);
+      for (Index s = subtree.end; s-- > subtree.begin;) Panels::backward(f_, s, memory_.y.data(), own);
+    });
   }
+
+ private:
+  static Scratch<typename Panels::Number> scratch(Index rows) {
+    return Scratch<typename Panels::Number>(Panels::scratch_size(rows));
+  }
+
+  template <class Body>
+  void for_places(Body&& body) {
+    exec_.for_blocks(static_cast<Index>(memory_.y.size()), kBlock, [&](Index, Range r) {
+      for (Index k = r.begin; k < r.end; ++k) body(k);
+    });
+  }
+
+  void forward_subtree(Index task) {
+    const std::size_t num_top = tree_.top_column_.size();
+    const Out<Point> to_top = Out<Point>(memory_.to_top).subspan(task * num_top, num_top);
+    std::fill(to_top.begin(), to_top.end(), Point{});
+    const Range subtree = tree_.subtree_[task];
+    const Index end = f_.super[subtree.end];  // columns from here on are not of this task
+    auto own = scratch(tree_.most_rows_);
+    for (Index s = subtree.begin; s < subtree.end; ++s) {
+      const In<Index> row = rows_of(f_, s);
+      Index inside = f_.rows(s);
+      while (row[inside - 1] >= end) --inside;
+      Panels::forward(f_, s, inside - f_.columns(s), memory_.y.data(), own);
+      for (Index i = inside; i < f_.rows(s); ++i)
+        add(to_top[tree_.top_place_[row[i]]], Panels::taken(own, f_.rows(s), i));
+    }
+  }
+
+  void add_to_top() {
+    const auto num_top = static_cast<Index>(tree_.top_column_.size());
+    exec_.for_blocks(num_top, kBlock, [&](Index, Range r) {
+      for (std::size_t task = 0; task < tree_.subtree_.size(); ++task) {
+        for (Index i = r.begin; i < r.end; ++i)
+          add(memory_.y[tree_.top_column_[i]], memory_.to_top[task * num_top + i]);
+      }
+    });
+  }
+
+  /// All at once; what they take from rows above, which several may, one after the other.
+  void forward_level(const std::vector<Index>& level) {
+    std::vector<Scratch<typename Panels::Number>> own;
+    for (const Index s : level) own.push_back(scratch(f_.rows(s)));
+    exec_.for_tasks(static_cast<Index>(level.size()),
+                    [&](Index k) { Panels::forward(f_, level[k], 0, memory_.y.data(), own[k]); });
+    for (std::size_t k = 0; k < level.size(); ++k) {
+      const In<Index> row = rows_of(f_, level[k]);
+      for (Index i = f_.columns(level[k]); i < f_.rows(level[k]); ++i)
+        add(memory_.y[row[i]], Panels::taken(own[k], f_.rows(level[k]), i));
+    }
+  }
+
+  const Exec& exec_;
+  const SupernodeTree& tree_;
+  const SupernodalFactor& f_;
+  SolveMemory<Point>& memory_;
+};
+
+namespace {
+
+/// Calls body with the panels there are.
+template <class Body>
+auto with_panels(const SupernodalFactor& f, Body&& body) {
+  return f.strips.entry ? body(NarrowPanels{}) : body(WidePanels{});
 }
 
-void SupernodeTree::backward(const Exec& exec, const SupernodalFactor& f, Out<Vec2> y) const {
-  PanelRows rows(most_rows_);
-  for (std::size_t k = top_.size(); k-- > 0;) backward_one(f, top_[k], rows, y);
-  exec.for_tasks(static_cast<Index>(subtree_.size()), [&](Index task) {
-    PanelRows own_rows(most_rows_);
-    for (Index s = subtree_[task].end; s-- > subtree_[task].begin;) backward_one(f, s, own_rows, y);
-  });
+}  // namespace
+
+void SupernodeTree::solve(const Exec& exec, const SupernodalFactor& f, In<Vec2> rhs, Out<Vec2> x) {
+  const auto run = [&](auto solve) {
+    solve.load([&](Index k) { return rhs[f.permutation[k]]; });
+    solve.forward();
+    solve.backward();
+    solve.store([&](Index k, Vec2 z) { x[f.permutation[k]] = z; });
+  };
+  f.strips.entry ? run(Solve<NarrowPanels>(exec, *this, f, narrow_))
+                 : run(Solve<WidePanels>(exec, *this, f, wide_));
+}
+
+void SupernodeTree::forward(const Exec& exec, const SupernodalFactor& f, In<Vec2> rhs, Out<Vec2> half) {
+  const auto run = [&](auto solve) {
+    solve.load([&](Index k) { return rhs[f.permutation[k]]; });
+    solve.forward();
+    solve.store([&](Index k, Vec2 z) { half[k] = z; });
+  };
+  f.strips.entry ? run(Solve<NarrowPanels>(exec, *this, f, narrow_))
+                 : run(Solve<WidePanels>(exec, *this, f, wide_));
+}
+
+void SupernodeTree::backward(const Exec& exec, const SupernodalFactor& f, In<Vec2> half, Out<Vec2> x) {
+  const auto run = [&](auto solve) {
+    solve.load([&](Index k) { return half[k]; });
+    solve.backward();
+    solve.store([&](Index k, Vec2 z) { x[f.permutation[k]] = z; });
+  };
+  f.strips.entry ? run(Solve<NarrowPanels>(exec, *this, f, narrow_))
+                 : run(Solve<WidePanels>(exec, *this, f, wide_));
 }
 
 /// The supernodes that hold the rows, and all above them, ascending.
@@ -160,32 +304,23 @@ std::vector<Index> SupernodeTree::reach(const SupernodalFactor& f, In<Index> row
   return all;
 }
 
-SparseColumn SupernodeTree::forward(const SupernodalFactor& f, const SparseColumn& rhs, Out<Vec2> y) const {
-  for (std::size_t i = 0; i < rhs.row.size(); ++i) y[rhs.row[i]] = rhs.value[i];
-  const std::vector<Index> reached = reach(f, rhs.row);
-  PanelRows rows(most_rows_);
-  SparseColumn result;
-  for (const Index s : reached) {
-    forward_one(f, s, rows, y, [&](Index row, Vec2 update) { y[row] += update; });
-    for (Index j = f.super[s]; j < f.super[s + 1]; ++j) {
-      result.row.push_back(j);
-      result.value.push_back(y[j]);
-      y[j] = {};
+std::vector<SparseColumn> SupernodeTree::forward(const SupernodalFactor& f, In<SparseColumn> rhs) const {
+  return with_panels(f, [&]<class Panels>(Panels) {
+    std::vector<typename Panels::Point> y(f.permutation.size());
+    Scratch<typename Panels::Number> scratch(Panels::scratch_size(most_rows_));
+    std::vector<SparseColumn> result(rhs.size());
+    for (std::size_t k = 0; k < rhs.size(); ++k) {
+      for (std::size_t i = 0; i < rhs[k].row.size(); ++i) set(y[rhs[k].row[i]], rhs[k].value[i]);
+      for (const Index s : reach(f, rhs[k].row)) {
+        Panels::forward(f, s, f.rows(s) - f.columns(s), y.data(), scratch);
+        for (Index j = f.super[s]; j < f.super[s + 1]; ++j) {
+          result[k].row.push_back(j);
+          result[k].value.push_back(wide(y[j]));
+          y[j] = {};
+        }
+      }
     }
-  }
-  return result;
-}
-
-void SupernodeTree::solve(const Exec& exec, const SupernodalFactor& f, In<Vec2> rhs, Out<Vec2> x) const {
-  const auto n = static_cast<Index>(f.permutation.size());
-  std::vector<Vec2> y(n);
-  exec.for_blocks(n, kBlock, [&](Index, Range r) {
-    for (Index k = r.begin; k < r.end; ++k) y[k] = rhs[f.permutation[k]];
-  });
-  forward(exec, f, y);
-  backward(exec, f, y);
-  exec.for_blocks(n, kBlock, [&](Index, Range r) {
-    for (Index k = r.begin; k < r.end; ++k) x[f.permutation[k]] = y[k];
+    return result;
   });
 }
 

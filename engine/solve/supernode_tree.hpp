@@ -5,9 +5,17 @@
 #include <vector>
 
 #include "engine/exec/parallel.hpp"
-#include "kernels/sparse/supernode.hpp"
+#include "kernels/sparse/strip_panel.hpp"
 
 namespace planish {
+
+/// The panels of a factor as strips: entries of supernode s at entry[begin[s]], three numbers a column.
+struct StripFactor {
+  In<Offset> begin;
+  const std::int16_t* entry = nullptr;
+  StripColumns<const float> column;
+  const StripSolves* solves = nullptr;
+};
 
 /// Views of a supernodal factor L of P A P^T = L L^T, columns postordered. Supernode s holds the columns
 /// [super[s], super[s + 1]), its row numbers are row[row_begin[s], row_begin[s + 1]) (its own columns first)
@@ -16,10 +24,12 @@ struct SupernodalFactor {
   In<Index> super, row_begin, row;
   In<Offset> value_begin;
   const double* value = nullptr;
-  const float* rounded = nullptr;  ///< the same values in single precision, used instead where given
+  StripFactor strips;  ///< used instead where there are any
   const PanelSolves* solves = nullptr;
   In<Index> permutation;  ///< permutation[k] is the row of A at place k
   Index num_supernodes() const { return static_cast<Index>(super.size()) - 1; }
+  Index columns(Index s) const { return super[s + 1] - super[s]; }
+  Index rows(Index s) const { return row_begin[s + 1] - row_begin[s]; }
 };
 
 /// Entries of a sparse vector of complex numbers; rows ascending once it was solved with.
@@ -28,34 +38,44 @@ struct SparseColumn {
   std::vector<Vec2> value;
 };
 
-/// How the solve is split: subtrees of bounded work, each a task, and the supernodes above them, done in
-/// order. The split depends on the factor alone, so the bits do not depend on the number of threads.
+/// Memory that solves reuse, so that only the first allocates. One solve at a time.
+template <class Point>
+struct SolveMemory {
+  std::vector<Point> y;       ///< [n] in the factor's order
+  std::vector<Point> to_top;  ///< each task's own sum for the columns above the tasks
+};
+
+/// How the solve is split: subtrees of bounded work, each a task, and the supernodes above them, level by level. The split
+/// depends on the factor alone, so the bits do not depend on the number of threads.
 class SupernodeTree {
  public:
   SupernodeTree() = default;
   explicit SupernodeTree(const SupernodalFactor& factor);
 
   /// x = A^-1 rhs, two interleaved right-hand sides; rhs and x [n] may be the same array.
-  void solve(const Exec& exec, const SupernodalFactor& factor, In<Vec2> rhs, Out<Vec2> x) const;
+  void solve(const Exec& exec, const SupernodalFactor& factor, In<Vec2> rhs, Out<Vec2> x);
+  /// Its halves: half <- L^-1 P rhs and x <- P^T L^-T half.
+  void forward(const Exec& exec, const SupernodalFactor& factor, In<Vec2> rhs, Out<Vec2> half);
+  void backward(const Exec& exec, const SupernodalFactor& factor, In<Vec2> half, Out<Vec2> x);
 
-  /// y <- L^-1 y and y <- L^-T y, in the factor's order.
-  void forward(const Exec& exec, const SupernodalFactor& factor, Out<Vec2> y) const;
-  void backward(const Exec& exec, const SupernodalFactor& factor, Out<Vec2> y) const;
-
-  /// L^-1 of a sparse vector, rows in the factor's order and distinct.
-  ///   workspace [n]: zeros, and zeros again afterwards
-  /// Cost: reads the panels on the way from the entries to the roots.
-  SparseColumn forward(const SupernodalFactor& factor, const SparseColumn& rhs, Out<Vec2> workspace) const;
+  /// L^-1 of sparse vectors; rows in the factor's order, distinct.
+  /// Cost: reads the panels on the way from the entries to the roots, per vector.
+  std::vector<SparseColumn> forward(const SupernodalFactor& factor, In<SparseColumn> rhs) const;
 
  private:
+  template <class Panels>
+  class Solve;
   std::vector<Index> reach(const SupernodalFactor& factor, In<Index> row) const;
 
-  std::vector<Range> subtree_;     ///< contiguous supernodes of each task
-  std::vector<Index> top_;         ///< supernodes above the tasks, ascending
+  std::vector<Range> subtree_;  ///< contiguous supernodes of each task
+  std::vector<std::vector<Index>>
+      top_level_;                  ///< supernodes above the tasks, children in lower levels than parents
   std::vector<Index> top_place_;   ///< [n] place of a column among the top columns, or kNone
   std::vector<Index> top_column_;  ///< columns of the top supernodes
   std::vector<Index> parent_;      ///< of each supernode, kNone at roots
-  Index most_rows_ = 0;            ///< of any panel: length of a task's scratch
+  Index most_rows_ = 0;            ///< of any panel
+  SolveMemory<Vec2> wide_;
+  SolveMemory<FloatVec2> narrow_;
 };
 
 }  // namespace planish

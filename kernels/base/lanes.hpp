@@ -7,8 +7,6 @@ namespace planish {
 
 /// Four doubles, loaded from any address; plain arithmetic works lane by lane.
 using Lanes __attribute__((vector_size(32), aligned(8), may_alias)) = double;
-/// Four floats, as lanes of doubles are stored where half the precision will do.
-using FloatLanes __attribute__((vector_size(16), aligned(4), may_alias)) = float;
 inline constexpr Index kLanes = 4;
 
 }  // namespace planish

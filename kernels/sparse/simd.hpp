@@ -23,9 +23,7 @@ struct Baseline {
   using Vector __attribute__((vector_size(16))) = double;
   static constexpr Index kLanes = 2, kTileVectors = 3, kTileColumns = 4;
   static Vector load(const double* p) { return Vector{p[0], p[1]}; }
-  static Vector load(const float* p) { return Vector{p[0], p[1]}; }
   static Vector load_part(const double* p, Index count) { return Vector{p[0], count > 1 ? p[1] : 0}; }
-  static Vector load_part(const float* p, Index count) { return Vector{p[0], count > 1 ? p[1] : 0}; }
   static void store(double* p, Vector x) { p[0] = x[0], p[1] = x[1]; }
   static void store_part(double* p, Vector x, Index count) {
     p[0] = x[0];
@@ -51,16 +49,9 @@ struct Avx2 {
   PLANISH_INLINE static __m256i mask(Index count) {
     return _mm256_cmpgt_epi64(_mm256_set1_epi64x(count), _mm256_set_epi64x(3, 2, 1, 0));
   }
-  PLANISH_INLINE static __m128i half_mask(Index count) {
-    return _mm_cmpgt_epi32(_mm_set1_epi32(count), _mm_set_epi32(3, 2, 1, 0));
-  }
   PLANISH_INLINE static Vector load(const double* p) { return _mm256_loadu_pd(p); }
-  PLANISH_INLINE static Vector load(const float* p) { return _mm256_cvtps_pd(_mm_loadu_ps(p)); }
   PLANISH_INLINE static Vector load_part(const double* p, Index count) {
     return _mm256_maskload_pd(p, mask(count));
-  }
-  PLANISH_INLINE static Vector load_part(const float* p, Index count) {
-    return _mm256_cvtps_pd(_mm_maskload_ps(p, half_mask(count)));
   }
   PLANISH_INLINE static void store(double* p, Vector x) { _mm256_storeu_pd(p, x); }
   PLANISH_INLINE static void store_part(double* p, Vector x, Index count) {
@@ -90,13 +81,8 @@ struct Avx512 {
   static constexpr Index kLanes = 8, kTileVectors = 3, kTileColumns = 8;
   PLANISH_INLINE static __mmask8 mask(Index count) { return static_cast<__mmask8>((1u << count) - 1); }
   PLANISH_INLINE static Vector load(const double* p) { return _mm512_loadu_pd(p); }
-  PLANISH_INLINE static Vector load(const float* p) { return _mm512_cvtps_pd(_mm256_loadu_ps(p)); }
   PLANISH_INLINE static Vector load_part(const double* p, Index count) {
     return _mm512_maskz_loadu_pd(mask(count), p);
-  }
-  PLANISH_INLINE static Vector load_part(const float* p, Index count) {
-    const __m512 wide = _mm512_maskz_loadu_ps(static_cast<__mmask16>(mask(count)), p);
-    return _mm512_cvtps_pd(__builtin_shufflevector(wide, wide, 0, 1, 2, 3, 4, 5, 6, 7));
   }
   PLANISH_INLINE static void store(double* p, Vector x) { _mm512_storeu_pd(p, x); }
   PLANISH_INLINE static void store_part(double* p, Vector x, Index count) {

@@ -7,25 +7,20 @@ namespace planish {
 
 /// Panel of `columns` >= 1 columns and `rows` >= columns rows, column by column; the top square is lower
 /// triangular.
-template <class Value>
-struct BasicPanel {
+struct Panel {
   Index columns = 0;
   Index rows = 0;
-  const Value* value = nullptr;
+  const double* value = nullptr;
 };
-using Panel = BasicPanel<double>;
-using FloatPanel = BasicPanel<float>;  ///< values rounded once; all arithmetic is in double
 
 /// Substitutions with two right-hand sides u and v over the panel's rows.   Cost: reads the panel once.
 struct PanelSolves {
   /// u, v [rows] in: right-hand side of the columns, then what was collected for the rows below (0 to start with)
   ///   out: L11^-1 of the first part, and the second part minus L21 times that.
   void (*forward)(const Panel& panel, double* u, double* v);
-  void (*forward_single)(const FloatPanel& panel, double* u, double* v);
   /// u, v [rows] in: right-hand side of the columns, then the solution of the rows below
   ///   out: first part L11^-T (right-hand side - L21^T below); second part unchanged.
   void (*backward)(const Panel& panel, double* u, double* v);
-  void (*backward_single)(const FloatPanel& panel, double* u, double* v);
 };
 
 /// Pre: the processor has the instructions.

@@ -5,15 +5,13 @@
 
 using Vector = typename Simd::Vector;
 
-template <class Value>
-PLANISH_INLINE const Value* column(const BasicPanel<Value>& panel, Index j) {
+PLANISH_INLINE const double* column(const Panel& panel, Index j) {
   return panel.value + static_cast<Offset>(j) * panel.rows;
 }
 
 /// Asks for the `count` values from p on, before they are needed.
-template <class Value>
-PLANISH_INLINE void prefetch(const Value* p, Offset count) {
-  constexpr Index kLine = 64 / sizeof(Value);
+PLANISH_INLINE void prefetch(const double* p, Offset count) {
+  constexpr Index kLine = 64 / sizeof(double);
   for (Offset i = 0; i < count; i += kLine) __builtin_prefetch(p + i);
 }
 
@@ -25,8 +23,8 @@ PLANISH_INLINE void for_vectors(Index begin, Index end, Body&& body) {
   if (i < end) body.template operator()<false>(i, end - i);
 }
 
-template <bool Whole, class Value>
-PLANISH_INLINE Vector load_rows(const Value* p, Index count) {
+template <bool Whole>
+PLANISH_INLINE Vector load_rows(const double* p, Index count) {
   return Whole ? Simd::load(p) : Simd::load_part(p, count);
 }
 
@@ -40,15 +38,15 @@ PLANISH_INLINE void store_rows(double* p, Vector x, Index count) {
 }
 
 /// Columns [j, j + W): their square, then what they take from the rows below.
-template <int W, class Value>
-PLANISH_INLINE void forward_strip(const BasicPanel<Value>& panel, Index j, double* u, double* v) {
-  const Value* c[W];
+template <int W>
+PLANISH_INLINE void forward_strip(const Panel& panel, Index j, double* u, double* v) {
+  const double* c[W];
   for (int w = 0; w < W; ++w) c[w] = column(panel, j + w);
-  prefetch(c[0] + kAheadBytes / Offset{sizeof(Value)}, Offset{W} * panel.rows);
+  prefetch(c[0] + kAhead, Offset{W} * panel.rows);
   double x[W], y[W];
   for (int w = 0; w < W; ++w) x[w] = u[j + w], y[w] = v[j + w];
   for (int w = 0; w < W; ++w) {
-    const double inverse = 1 / static_cast<double>(c[w][j + w]);
+    const double inverse = 1 / c[w][j + w];
     u[j + w] = x[w] *= inverse;
     v[j + w] = y[w] *= inverse;
     for (int next = w + 1; next < W; ++next) {
@@ -71,11 +69,11 @@ PLANISH_INLINE void forward_strip(const BasicPanel<Value>& panel, Index j, doubl
   });
 }
 
-template <int W, class Value>
-PLANISH_INLINE void backward_strip(const BasicPanel<Value>& panel, Index j, double* u, double* v) {
-  const Value* c[W];
+template <int W>
+PLANISH_INLINE void backward_strip(const Panel& panel, Index j, double* u, double* v) {
+  const double* c[W];
   for (int w = 0; w < W; ++w) c[w] = column(panel, j + w);
-  prefetch(c[0] - kAheadBytes / Offset{sizeof(Value)}, Offset{W} * panel.rows);
+  prefetch(c[0] - kAhead, Offset{W} * panel.rows);
   Vector xs[W], ys[W];
   for (int w = 0; w < W; ++w) xs[w] = ys[w] = Simd::all(0);
   for_vectors(j + W, panel.rows, [&]<bool Whole>(Index i, Index count) {
@@ -89,7 +87,7 @@ PLANISH_INLINE void backward_strip(const BasicPanel<Value>& panel, Index j, doub
   double x[W], y[W];
   for (int w = 0; w < W; ++w) x[w] = u[j + w] + Simd::sum(xs[w]), y[w] = v[j + w] + Simd::sum(ys[w]);
   for (int w = W - 1; w >= 0; --w) {
-    const double inverse = 1 / static_cast<double>(c[w][j + w]);
+    const double inverse = 1 / c[w][j + w];
     u[j + w] = x[w] *= inverse;
     v[j + w] = y[w] *= inverse;
     for (int before = 0; before < w; ++before) {
@@ -100,8 +98,7 @@ PLANISH_INLINE void backward_strip(const BasicPanel<Value>& panel, Index j, doub
   }
 }
 
-template <class Value>
-void forward_panel(const BasicPanel<Value>& panel, double* u, double* v) {
+void forward_panel(const Panel& panel, double* u, double* v) {
   for (Index j = 0; j < panel.columns; j += Simd::kTileColumns) {
     const Index left = panel.columns - j;
     with_width(left < Simd::kTileColumns ? left : Index{Simd::kTileColumns},
@@ -109,8 +106,7 @@ void forward_panel(const BasicPanel<Value>& panel, double* u, double* v) {
   }
 }
 
-template <class Value>
-void backward_panel(const BasicPanel<Value>& panel, double* u, double* v) {
+void backward_panel(const Panel& panel, double* u, double* v) {
   const Index last = (panel.columns - 1) / Simd::kTileColumns * Simd::kTileColumns;
   for (Index j = last; j >= 0; j -= Simd::kTileColumns) {
     const Index left = panel.columns - j;
@@ -119,5 +115,4 @@ void backward_panel(const BasicPanel<Value>& panel, double* u, double* v) {
   }
 }
 
-inline constexpr PanelSolves kSolves = {forward_panel<double>, forward_panel<float>, backward_panel<double>,
-                                        backward_panel<float>};
+inline constexpr PanelSolves kSolves = {forward_panel, backward_panel};

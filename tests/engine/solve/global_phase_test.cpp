@@ -61,14 +61,18 @@ TEST_CASE("global phase: 1, 2 and 7 threads give the same bits") {
   const SymmetricMatrix matrix = held_laplacian(shapes::wavy_disk(40000));
   const auto order = fill_reducing_order(Exec(2), matrix);
   std::vector<Vec2> rhs(matrix.size(), {1, -1});
-  const auto solve = [&](int threads) {
-    std::vector<Vec2> x(matrix.size());
-    GlobalPhase::factor(Exec(2), matrix, *order)->solve(Exec(threads), rhs, x);
-    return x;
-  };
-  const auto one = solve(1);
-  CHECK(solve(2) == one);
-  CHECK(solve(7) == one);
+  for (const bool rounded : {false, true}) {
+    const auto solve = [&](int threads) {
+      std::vector<Vec2> x(matrix.size());
+      auto global = GlobalPhase::factor(Exec(threads), matrix, *order);
+      if (rounded) global->round(Exec(threads));
+      global->solve(Exec(threads), rhs, x);
+      return x;
+    };
+    const auto one = solve(1);
+    CHECK(solve(2) == one);
+    CHECK(solve(7) == one);
+  }
 }
 
 TEST_CASE(
@@ -87,7 +91,7 @@ TEST_CASE(
     REQUIRE(later->refactor(Exec(2), matrix));
     later->solve(Exec(2), rhs, x);
     CHECK(x == expected);
-    later->round_to_single(Exec(2));
+    later->round(Exec(2));
     CHECK(later->is_rounded());
   }
 }
@@ -144,9 +148,7 @@ TEST_CASE("laplacian: merging the vertices of a hole is the product with the mer
   CHECK(difference.cwiseAbs().maxCoeff() < 1e-12);
 }
 
-TEST_CASE(
-    "global phase: a factor rounded to single precision solves with one symmetric matrix near the given "
-    "one") {
+TEST_CASE("global phase: a rounded factor solves with one symmetric matrix near the given one") {
   const SymmetricMatrix matrix = held_laplacian(shapes::wavy_disk(3000));
   auto global = GlobalPhase::factor(Exec(2), matrix, *fill_reducing_order(Exec(2), matrix));
   REQUIRE(global);
@@ -159,7 +161,7 @@ TEST_CASE(
   }
   global->solve(Exec(1), a, exact);
   CHECK_FALSE(global->is_rounded());
-  global->round_to_single(Exec(2));
+  global->round(Exec(2));
   CHECK(global->is_rounded());
   global->solve(Exec(1), a, x);
   global->solve(Exec(1), b, y);
@@ -171,8 +173,8 @@ TEST_CASE(
     a_y += dot(a[i], y[i]);
   }
   CHECK(error > 1e-12 * size);  // it is another matrix
-  CHECK(error < 1e-4 * size);
-  CHECK(b_x == doctest::Approx(a_y).epsilon(1e-12));
+  CHECK(error < 1e-3 * size);
+  CHECK(b_x == doctest::Approx(a_y).epsilon(1e-5));
   REQUIRE(global->refactor(Exec(2), matrix));
   CHECK_FALSE(global->is_rounded());
 }

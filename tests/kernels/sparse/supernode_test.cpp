@@ -65,31 +65,3 @@ TEST_CASE(
     }
   }
 }
-
-TEST_CASE(
-    "supernode: a panel in single precision gives the bits of its values in double, every instruction set") {
-  shapes::Random random(12);
-  for (const InstructionSet set : available_sets()) {
-    const PanelSolves& solves = panel_solves(set);
-    for (Index columns = 1; columns <= 17; ++columns) {
-      for (Index below = 0; below <= 17; ++below) {
-        RandomPanel p(columns, columns + below, random);
-        std::vector<float> rounded(p.value.begin(), p.value.end());
-        p.value.assign(rounded.begin(), rounded.end());
-        const FloatPanel single{columns, columns + below, rounded.data()};
-        std::vector<double> u(p.panel.rows), v(p.panel.rows);
-        for (double& x : u) x = random.uniform();
-        for (double& x : v) x = random.uniform();
-        std::vector<double> u_single = u, v_single = v;
-        solves.forward(p.panel, u.data(), v.data());
-        solves.forward_single(single, u_single.data(), v_single.data());
-        CHECK(u == u_single);
-        CHECK(v == v_single);
-        solves.backward(p.panel, u.data(), v.data());
-        solves.backward_single(single, u_single.data(), v_single.data());
-        CHECK(u == u_single);
-        CHECK(v == v_single);
-      }
-    }
-  }
-}
