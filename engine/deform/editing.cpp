@@ -163,6 +163,7 @@ Result<void> Editing::factor() {
   energy.cotangent = rest().cotangent;
   energy.area = rest().area;
   local_.emplace(exec_, energy);
+  measure_.emplace(exec_, energy);
   responses_.forget();
   return {};
 }

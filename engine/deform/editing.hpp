@@ -132,6 +132,7 @@ class Editing {
   std::vector<std::uint8_t> factored_for_;  // [V] what was held when the factor was made
   std::optional<GlobalPhase> global_;
   std::optional<LocalPhase> local_;  // for the same
+  std::optional<MapEnergy> measure_;
 
   std::vector<Vec2> uv_;  // [V] where the map is
   bool settled_ = false;  // at a minimum without flips, features held

@@ -172,6 +172,7 @@ void Editing::keep(Minimum minimum) {
 /// What nothing ties to a place lies as near to the given map as it can.
 void Editing::settle_gauge() {
   const std::vector<std::uint8_t> loose = components_that_turn();
+  if (std::find(loose.begin(), loose.end(), 1) == loose.end()) return;
   std::vector<Freedom> freedom;
   for (const std::uint8_t turns : loose) freedom.push_back(turns ? Freedom::Isometry : Freedom::None);
   std::vector<Placement> motion = onto_map(freedom, piece_.component, uv_, aligned_);
@@ -212,7 +213,7 @@ std::vector<Vec2> Editing::closest_rotations() const {
 }
 
 bool Editing::is_injective(const ArapProblem& arap, In<Vec2> uv) const {
-  return MapEnergy(exec_, arap.energy).is_injective(uv) && arap.dof->reversed_edges() == 0;
+  return measure_->is_injective(uv) && arap.dof->reversed_edges() == 0;
 }
 
 /// A single held vertex does not say how its component is turned.

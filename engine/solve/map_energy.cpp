@@ -92,19 +92,6 @@ double MapEnergy::least_determinant(In<Vec2> uv) const {
   });
 }
 
-namespace {
-
-/// +1 where the step from a to b crosses the positive x axis upwards, -1 downwards, exactly.
-int crossing(Vec2 centre, Vec2 a, Vec2 b) {
-  const bool a_below = a.y < centre.y, b_below = b.y < centre.y;
-  if (a_below == b_below) return 0;
-  const int side = orient2(a, b, centre);
-  if (a_below) return side > 0 ? 1 : 0;
-  return side < 0 ? -1 : 0;
-}
-
-}  // namespace
-
 std::vector<Index> MapEnergy::flipped(In<Vec2> uv) const {
   return select(exec_, mesh_.num_triangles(), [&](Index t) {
     const auto z = corner_images(mesh_.corner_vertex, t, uv);
@@ -113,21 +100,9 @@ std::vector<Index> MapEnergy::flipped(In<Vec2> uv) const {
 }
 
 bool MapEnergy::is_injective(In<Vec2> uv) const {
-  return flipped(uv).empty() && overwound_vertices(exec_, mesh_, uv).empty();
-}
-
-std::vector<Index> overwound_vertices(const Exec& exec, const ArapEnergy& mesh, In<Vec2> uv) {
-  return select(exec, mesh.num_vertices(), [&](Index v) {
-    const In<Index> star = slice(mesh.star_corner, mesh.stars.group(v));
-    const bool closed =
-        mesh.corner_vertex[next_corner(star.front())] == mesh.corner_vertex[previous_corner(star.back())];
-    if (!closed) return false;
-    int turns = 0;
-    for (const Index c : star)
-      turns +=
-          crossing(uv[v], uv[mesh.corner_vertex[next_corner(c)]], uv[mesh.corner_vertex[previous_corner(c)]]);
-    return turns > 1;
-  });
+  if (!flipped(uv).empty()) return false;
+  if (!winding_) winding_.emplace(exec_, mesh_);
+  return winding_->is_single(uv);
 }
 
 }  // namespace planish

@@ -1,10 +1,12 @@
 // The energies of maps without flips, summed over a mesh: values, forces, and how far a step may go.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "engine/exec/parallel.hpp"
 #include "engine/solve/local_phase.hpp"
+#include "engine/solve/winding.hpp"
 #include "kernels/local/isotropic.hpp"
 
 namespace planish {
@@ -56,7 +58,7 @@ class MapEnergy {
   double first_flip(In<Vec2> uv, In<Vec2> direction) const;
   /// Triangles that are not positively oriented, by the exact predicate, ascending.
   std::vector<Index> flipped(In<Vec2> uv) const;
-  /// Neither flipped triangles nor overwound vertices.
+  /// Neither flipped triangles nor overwound vertices. One call at a time.
   bool is_injective(In<Vec2> uv) const;
   /// The least det J, by rounding arithmetic.
   double least_determinant(In<Vec2> uv) const;
@@ -68,9 +70,7 @@ class MapEnergy {
   const Exec& exec_;
   ArapEnergy mesh_;
   std::vector<Vec2> corner_force_;
+  mutable std::optional<Winding> winding_;  // once it is asked for
 };
-
-/// Interior vertices around which the image winds more than once, ascending. Cost: O(T), without trigonometry.
-std::vector<Index> overwound_vertices(const Exec& exec, const ArapEnergy& mesh, In<Vec2> uv);
 
 }  // namespace planish
