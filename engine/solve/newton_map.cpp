@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "engine/solve/determinant_multiples.hpp"
 #include "engine/solve/quasi_newton.hpp"
 
 namespace planish {
@@ -98,6 +99,12 @@ NewtonMap::NewtonMap(const Exec& exec, const ArapEnergy& mesh, ReducedUnknowns u
 }
 
 void NewtonMap::lower(const MapDensity& density) {
+  // Where boundaries meet all that happens is near them: there multiples took five times the steps.
+  if (density.kind != MapDensity::Kind::Arap || barrier_ != nullptr) {
+    multiple_.clear();
+  } else if (multiple_.empty()) {
+    multiple_ = determinant_multiples(mesh_);
+  }
   density_ = density;
   energy_ = evaluate_at(x_, force_);
 }
@@ -197,7 +204,8 @@ Result<void> NewtonMap::factor(double lift) {
     global_.reset();
     hessian_.forget_pattern();
   }
-  SymmetricMatrix& hessian = hessian_.at(exec_, mesh_, unknowns_, density_, projection_, uv(), further);
+  SymmetricMatrix& hessian =
+      hessian_.at(exec_, mesh_, unknowns_, density_, projection_, uv(), further, multiple_);
   if (lift > 0) {
     for (Index column = 0; column < hessian.size(); ++column)
       hessian.value[hessian.column_begin[column]] *= 1 + lift;

@@ -77,6 +77,7 @@ class NewtonMap {
   std::vector<Vec2> x_, force_, direction_, x_trial_, force_trial_;
   double energy_ = 0, force_times_direction_ = 0, length_ = 1;
   double projection_ = 1;
+  std::vector<double> multiple_;  // [T] of det J, for ARAP
   const BoundaryBarrier* barrier_ = nullptr;
   In<std::pair<Index, Vec2>> places_;
   double stiffness_ = 0;
