@@ -16,6 +16,8 @@ constexpr double kEnergyRounding = 1e-14;  // relative, of a sum
 constexpr double kLessProjection = 0.25;
 constexpr double kMoreProjection = 3;
 constexpr double kLeastProjection = 1e-3;  // less is none
+/// Vertices that contacts couple without an elimination order of their own, over the root of their number.
+constexpr double kFewCoupled = 0.7;
 // Of the diagonal, where rounding makes a projected Hessian of very unlike triangles indefinite.
 constexpr double kFirstLift = 1e-12, kMostLift = 1e-4;
 
@@ -193,6 +195,15 @@ std::vector<HessianElement> NewtonMap::contacts(bool& pattern_is_new) {
   return elements;
 }
 
+/// So many that the elimination order should know of them: a few couple what lies apart in it at the cost of some rows.
+bool NewtonMap::couples_many() const {
+  std::vector<Index> vertices;
+  for (const auto& triple : coupled_) vertices.insert(vertices.end(), triple.begin(), triple.end());
+  std::sort(vertices.begin(), vertices.end());
+  const auto num = std::unique(vertices.begin(), vertices.end()) - vertices.begin();
+  return static_cast<double>(num) > kFewCoupled * std::sqrt(static_cast<double>(unknowns_.num_pairs()));
+}
+
 Result<void> NewtonMap::factor(double lift) {
   bool pattern_is_new = false;
   std::vector<HessianElement> further = contacts(pattern_is_new);
@@ -211,10 +222,11 @@ Result<void> NewtonMap::factor(double lift) {
       hessian.value[hessian.column_begin[column]] *= 1 + lift;
   }
   if (global_) return global_->refactor(exec_, hessian);
-  if (pattern_is_new) {
+  if (pattern_is_new && couples_many()) {
     auto order = order_of_unknowns(exec_, hessian, unknowns_);
     if (!order) return fail(order.error());
     order_ = std::move(*order);
+    ++orders_found_;
   }
   auto factored = GlobalPhase::factor(exec_, hessian, order_);
   if (!factored) return fail(factored.error());
