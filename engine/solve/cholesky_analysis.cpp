@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <limits>
 #include <new>
-#include <numeric>
 
+#include "engine/solve/supernode_search.hpp"
 #include "engine/solve/twin_rows.hpp"
-#include "kernels/sparse/etree.hpp"
 
 namespace planish {
 namespace {
@@ -15,22 +14,11 @@ namespace {
 // worth sharing.
 constexpr double kTaskShare = 1.0 / 32, kLeastTask = 1e6;  // flops
 
-struct Lists {
-  std::vector<Index> begin, row;
-  Offsets offsets() const { return {begin}; }
-};
-
 /// With the rows beyond the given ones last: row eliminated k-th.
 std::vector<Index> whole_order(In<Index> order, Index size) {
   std::vector<Index> whole(order.begin(), order.end());
   for (auto row = static_cast<Index>(order.size()); row < size; ++row) whole.push_back(row);
   return whole;
-}
-
-std::vector<Index> inverse(In<Index> order) {
-  std::vector<Index> place(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<Index>(k);
-  return place;
 }
 
 /// Neighbours of each row that are eliminated before it, by places in the order.
@@ -54,112 +42,6 @@ Lists earlier_neighbours(const SymmetricMatrix& matrix, In<Index> place) {
   visit([&](Index earlier, Index later) { lists.row[count[later]++] = earlier; });
   return lists;
 }
-
-Lists transposed(const Lists& lists) {
-  const auto n = static_cast<Index>(lists.begin.size()) - 1;
-  std::vector<Index> count(n, 0);
-  for (const Index i : lists.row) ++count[i];
-  Lists result;
-  result.begin = exclusive_scan(count);
-  result.row.resize(lists.row.size());
-  std::copy_n(result.begin.begin(), n, count.begin());
-  for (Index k = 0; k < n; ++k) {
-    for (const Index i : slice(In<Index>(lists.row), lists.offsets().group(k))) result.row[count[i]++] = k;
-  }
-  return result;
-}
-
-/// Postordered supernodes over the elimination order.
-struct Supernodes {
-  std::vector<Index> place;  ///< [n] of the columns: where the order's k-th comes to stand
-  std::vector<Index> columns, rows, parent;
-};
-
-class SupernodeSearch {
- public:
-  /// earlier: of rows that stand for width [G] rows each, by places in the order
-  SupernodeSearch(const Lists& earlier, In<Index> width) {
-    const auto num = static_cast<Index>(width.size());
-    std::vector<Index> parent(num), count(num), post(num), head(num), next(num);
-    elimination_tree(earlier.offsets(), earlier.row, parent, head);
-    postorder(parent, std::vector<Index>(num, 0), post, head, next);
-    const Lists later = transposed(earlier);
-    std::vector<Index> first(num), latest(num), previous(num);
-    column_counts(parent, post, later.offsets(), later.row, width, count, {first, latest, previous, head});
-    expand(parent, count, post, width);
-  }
-
-  Supernodes find(const Relaxation& relaxation) {
-    std::vector<Index> chain_of(n_), head(n_), next(n_);
-    std::vector<Index> columns(n_), rows(n_), above(n_), merged(n_), first(n_), next_chain(n_),
-        first_chain(n_), last_chain(n_);
-    std::vector<double> zeros(n_);
-    const Index num_chains = find_supernodes(
-        parent_, count_, relaxation, chain_of,
-        {columns, rows, above, merged, first, next_chain, first_chain, last_chain, zeros}, head, next);
-    // The supernodes, numbered as they come, then postordered with small panels first.
-    std::vector<Index> number(num_chains, kNone), chain;
-    for (Index c = 0; c < num_chains; ++c) {
-      if (merged[c] != kNone) continue;
-      number[c] = static_cast<Index>(chain.size());
-      chain.push_back(c);
-    }
-    const auto num = static_cast<Index>(chain.size());
-    std::vector<Index> tree(num), rank(num), order(num);
-    for (Index s = 0; s < num; ++s) {
-      tree[s] = above[chain[s]] == kNone ? kNone : number[holder(merged, above[chain[s]])];
-      rank[s] = rows[chain[s]];
-    }
-    postorder(tree, rank, order, Out<Index>(head).first(num), next);
-    const std::vector<Index> place_of = inverse(order);
-    std::vector<Index> chain_length(num_chains, 0);
-    for (const Index c : chain_of) ++chain_length[c];
-    Supernodes result;
-    result.place.resize(n_);
-    Index column = 0;
-    for (const Index s : order) {
-      const Index c = chain[s];
-      result.columns.push_back(columns[c]);
-      result.rows.push_back(rows[c]);
-      result.parent.push_back(tree[s] == kNone ? kNone : place_of[tree[s]]);
-      for (Index part = first_chain[c]; part != kNone; part = next_chain[part]) {
-        for (Index k = first[part]; k < first[part] + chain_length[part]; ++k)
-          result.place[row_[k]] = column++;
-      }
-    }
-    return result;
-  }
-
- private:
-  /// The supernode that a chain ended up in; the way there is shortened.
-  static Index holder(std::vector<Index>& merged, Index chain) {
-    Index last = chain;
-    while (merged[last] != kNone) last = merged[last];
-    while (merged[chain] != kNone) chain = std::exchange(merged[chain], last);
-    return last;
-  }
-
-  /// The rows that each stands for, one the parent of the one before.
-  void expand(In<Index> parent, In<Index> count, In<Index> post, In<Index> width) {
-    std::vector<Index> begin = exclusive_scan(width), place(post.size());
-    n_ = begin.back();
-    Index next = 0;
-    for (const Index g : post) {
-      place[g] = next;
-      for (Index i = 0; i < width[g]; ++i, ++next) {
-        row_.push_back(begin[g] + i);
-        count_.push_back(count[g] - i);
-        parent_.push_back(next + 1);
-      }
-    }
-    for (const Index g : post)
-      parent_[place[g] + width[g] - 1] = parent[g] == kNone ? kNone : place[parent[g]];
-  }
-
-  Index n_ = 0;
-  // By places in the postorder: which row of the order, its parent's place, its column's entries.
-  std::vector<Index> row_, parent_, count_;
-};
 
 /// Rows of every panel, ascending: row i belongs to the supernodes on the ways from its entries of A up to its own.
 ///   earlier: of rows that stand for one or two;  begin: place of the first of them in the elimination
@@ -262,7 +144,7 @@ Structure find_in_order(const SymmetricMatrix& matrix, In<Index> whole) {
   Structure structure;
   structure.earlier = earlier_neighbours(twins.pattern, inverse(twins.order));
   for (const Index g : twins.order) structure.width.push_back(twins.width(g));
-  structure.found = SupernodeSearch(structure.earlier, structure.width).find({});
+  structure.found = find_supernodes(structure.earlier, structure.width);
   return structure;
 }
 
