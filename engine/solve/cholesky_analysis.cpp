@@ -140,10 +140,15 @@ struct Structure {
 };
 
 Structure find_in_order(const SymmetricMatrix& matrix, In<Index> whole) {
-  const TwinRows twins = find_twin_rows(matrix, whole);
+  const std::optional<TwinRows> twins = find_twin_rows(matrix, whole);
   Structure structure;
-  structure.earlier = earlier_neighbours(twins.pattern, inverse(twins.order));
-  for (const Index g : twins.order) structure.width.push_back(twins.width(g));
+  if (twins) {
+    structure.earlier = earlier_neighbours(twins->pattern, inverse(twins->order));
+    for (const Index g : twins->order) structure.width.push_back(twins->width(g));
+  } else {
+    structure.earlier = earlier_neighbours(matrix, inverse(whole));
+    structure.width.assign(whole.size(), 1);
+  }
   structure.found = find_supernodes(structure.earlier, structure.width);
   return structure;
 }

@@ -90,6 +90,7 @@ class SupernodeSearch {
   void expand(In<Index> parent, In<Index> count, In<Index> post, In<Index> width) {
     std::vector<Index> begin = exclusive_scan(width), place(post.size());
     n_ = begin.back();
+    for (std::vector<Index>* column : {&row_, &count_, &parent_}) column->reserve(n_);
     Index next = 0;
     for (const Index g : post) {
       place[g] = next;

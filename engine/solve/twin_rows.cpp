@@ -39,9 +39,12 @@ void part_those_seen_apart(const SymmetricMatrix& matrix, Out<std::uint8_t> with
 
 }  // namespace
 
-TwinRows find_twin_rows(const SymmetricMatrix& matrix, In<Index> order) {
+std::optional<TwinRows> find_twin_rows(const SymmetricMatrix& matrix, In<Index> order) {
+  constexpr double kLeastShare = 0.125;
   const Index n = matrix.size();
   std::vector<std::uint8_t> with_next = candidates(matrix, order);
+  const auto pairs = static_cast<double>(std::count(with_next.begin(), with_next.end(), 1));
+  if (pairs < kLeastShare * n) return std::nullopt;
   part_those_seen_apart(matrix, with_next);
   TwinRows twins;
   std::vector<Index> group(n);

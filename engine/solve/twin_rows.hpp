@@ -1,6 +1,7 @@
 // Rows of a sparse matrix that are coupled with the same others, two at a time: one vertex of a graph for both.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "engine/solve/symmetric_matrix.hpp"
@@ -17,7 +18,8 @@ struct TwinRows {
   Index width(Index group) const { return first[group + 1] - first[group]; }
 };
 
-/// order [n]: of elimination, whole.   Cost: O(nonzeros).
-TwinRows find_twin_rows(const SymmetricMatrix& matrix, In<Index> order);
+/// None where so few rows have a twin that it does not pay.
+/// order [n]: of elimination, whole.   Cost: O(n), and O(nonzeros) where there are twins.
+std::optional<TwinRows> find_twin_rows(const SymmetricMatrix& matrix, In<Index> order);
 
 }  // namespace planish
