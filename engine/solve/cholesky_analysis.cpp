@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <limits>
 #include <new>
-#include <numeric>
 
-#include "kernels/sparse/etree.hpp"
+#include "engine/solve/supernode_search.hpp"
+#include "engine/solve/twin_rows.hpp"
 
 namespace planish {
 namespace {
@@ -14,22 +14,11 @@ namespace {
 // worth sharing.
 constexpr double kTaskShare = 1.0 / 32, kLeastTask = 1e6;  // flops
 
-struct Lists {
-  std::vector<Index> begin, row;
-  Offsets offsets() const { return {begin}; }
-};
-
 /// With the rows beyond the given ones last: row eliminated k-th.
 std::vector<Index> whole_order(In<Index> order, Index size) {
   std::vector<Index> whole(order.begin(), order.end());
   for (auto row = static_cast<Index>(order.size()); row < size; ++row) whole.push_back(row);
   return whole;
-}
-
-std::vector<Index> inverse(In<Index> order) {
-  std::vector<Index> place(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<Index>(k);
-  return place;
 }
 
 /// Neighbours of each row that are eliminated before it, by places in the order.
@@ -54,119 +43,25 @@ Lists earlier_neighbours(const SymmetricMatrix& matrix, In<Index> place) {
   return lists;
 }
 
-Lists transposed(const Lists& lists) {
-  const auto n = static_cast<Index>(lists.begin.size()) - 1;
-  std::vector<Index> count(n, 0);
-  for (const Index i : lists.row) ++count[i];
-  Lists result;
-  result.begin = exclusive_scan(count);
-  result.row.resize(lists.row.size());
-  std::copy_n(result.begin.begin(), n, count.begin());
-  for (Index k = 0; k < n; ++k) {
-    for (const Index i : slice(In<Index>(lists.row), lists.offsets().group(k))) result.row[count[i]++] = k;
-  }
-  return result;
-}
-
-/// Postordered supernodes over the elimination order.
-struct Supernodes {
-  std::vector<Index> place;  ///< [n] of the columns: where the order's k-th comes to stand
-  std::vector<Index> columns, rows, parent;
-};
-
-class SupernodeSearch {
- public:
-  SupernodeSearch(const Lists& earlier)
-      : n_(static_cast<Index>(earlier.begin.size()) - 1),
-        head_(n_),
-        next_(n_),
-        parent_(n_),
-        count_(n_),
-        post_(n_) {
-    elimination_tree(earlier.offsets(), earlier.row, parent_, head_);
-    const std::vector<Index> rank(n_, 0);
-    postorder(parent_, rank, post_, head_, next_);
-    const Lists later = transposed(earlier);
-    std::vector<Index> first(n_), latest(n_), previous(n_);
-    column_counts(parent_, post_, later.offsets(), later.row, count_, {first, latest, previous, head_});
-    place_ = inverse(post_);
-  }
-
-  Supernodes find(const Relaxation& relaxation) {
-    std::vector<Index> parent(n_), count(n_), chain_of(n_);
-    for (Index k = 0; k < n_; ++k) {
-      const Index above = parent_[post_[k]];
-      parent[k] = above == kNone ? kNone : place_[above];
-      count[k] = count_[post_[k]];
-    }
-    std::vector<Index> columns(n_), rows(n_), above(n_), merged(n_), first(n_), next_chain(n_),
-        first_chain(n_), last_chain(n_);
-    std::vector<double> zeros(n_);
-    const Index num_chains = find_supernodes(
-        parent, count, relaxation, chain_of,
-        {columns, rows, above, merged, first, next_chain, first_chain, last_chain, zeros}, head_, next_);
-    // The supernodes, numbered as they come, then postordered with small panels first.
-    std::vector<Index> number(num_chains, kNone), chain;
-    for (Index c = 0; c < num_chains; ++c) {
-      if (merged[c] != kNone) continue;
-      number[c] = static_cast<Index>(chain.size());
-      chain.push_back(c);
-    }
-    const auto num = static_cast<Index>(chain.size());
-    std::vector<Index> tree(num), rank(num), order(num), head(num), next(num);
-    for (Index s = 0; s < num; ++s) {
-      tree[s] = above[chain[s]] == kNone ? kNone : number[holder(merged, above[chain[s]])];
-      rank[s] = rows[chain[s]];
-    }
-    postorder(tree, rank, order, head, next);
-    const std::vector<Index> place_of = inverse(order);
-    std::vector<Index> chain_length(num_chains, 0);
-    for (const Index c : chain_of) ++chain_length[c];
-    Supernodes result;
-    result.place.resize(n_);
-    Index column = 0;
-    for (const Index s : order) {
-      const Index c = chain[s];
-      result.columns.push_back(columns[c]);
-      result.rows.push_back(rows[c]);
-      result.parent.push_back(tree[s] == kNone ? kNone : place_of[tree[s]]);
-      for (Index part = first_chain[c]; part != kNone; part = next_chain[part]) {
-        for (Index k = first[part]; k < first[part] + chain_length[part]; ++k)
-          result.place[post_[k]] = column++;
-      }
-    }
-    return result;
-  }
-
- private:
-  /// The supernode that a chain ended up in; the way there is shortened.
-  static Index holder(std::vector<Index>& merged, Index chain) {
-    Index last = chain;
-    while (merged[last] != kNone) last = merged[last];
-    while (merged[chain] != kNone) chain = std::exchange(merged[chain], last);
-    return last;
-  }
-
-  Index n_;
-  std::vector<Index> head_, next_, parent_, count_, post_, place_;
-};
-
 /// Rows of every panel, ascending: row i belongs to the supernodes on the ways from its entries of A up to its own.
-void fill_rows(const Lists& earlier, In<Index> place, In<Index> supernode_of, CholeskyAnalysis& a) {
-  const Index num = a.num_supernodes(), n = a.size();
+///   earlier: of rows that stand for one or two;  begin: place of the first of them in the elimination
+void fill_rows(const Lists& earlier, In<Index> begin, In<Index> supernode_of, CholeskyAnalysis& a) {
+  const Index num = a.num_supernodes(), num_groups = static_cast<Index>(earlier.begin.size()) - 1;
   std::vector<Index> end(a.row_begin.begin(), a.row_begin.end() - 1), reached_by(num, kNone);
   a.row.resize(a.row_begin.back());
-  std::vector<Index> at(n);
-  for (Index k = 0; k < n; ++k) at[place[k]] = k;
-  for (Index i = 0; i < n; ++i) {
+  std::vector<Index> at(a.size(), kNone);
+  for (Index g = 0; g < num_groups; ++g) at[begin[g]] = g;
+  Index width = 1;
+  for (Index i = 0; i < a.size(); i += width) {
+    width = i + 1 < a.size() && at[i + 1] == kNone ? 2 : 1;
+    const auto reach = [&](Index s) {
+      reached_by[s] = i;
+      for (Index k = i; k < i + width; ++k) a.row[end[s]++] = k;
+    };
     const Index own = supernode_of[i];
-    a.row[end[own]++] = i;
-    reached_by[own] = i;
-    for (const Index j : slice(In<Index>(earlier.row), earlier.offsets().group(at[i]))) {
-      for (Index s = supernode_of[place[j]]; reached_by[s] != i; s = a.parent[s]) {
-        reached_by[s] = i;
-        a.row[end[s]++] = i;
-      }
+    reach(own);
+    for (const Index g : slice(In<Index>(earlier.row), earlier.offsets().group(at[i]))) {
+      for (Index s = supernode_of[begin[g]]; reached_by[s] != i; s = a.parent[s]) reach(s);
     }
   }
 }
@@ -237,9 +132,25 @@ double front_flops(double columns, double rows) {
   return (rows * (rows + 1) * (2 * rows + 1) - left * (left + 1) * (2 * left + 1)) / 6;
 }
 
-Result<Supernodes> find_in_order(const SymmetricMatrix& matrix, In<Index> whole, Lists& earlier) {
-  earlier = earlier_neighbours(matrix, inverse(whole));
-  return SupernodeSearch(earlier).find({});
+/// The supernodes, and what they were found from: twin rows, each by its place in the elimination.
+struct Structure {
+  Lists earlier;
+  std::vector<Index> width;
+  Supernodes found;
+};
+
+Structure find_in_order(const SymmetricMatrix& matrix, In<Index> whole) {
+  const std::optional<TwinRows> twins = find_twin_rows(matrix, whole);
+  Structure structure;
+  if (twins) {
+    structure.earlier = earlier_neighbours(twins->pattern, inverse(twins->order));
+    for (const Index g : twins->order) structure.width.push_back(twins->width(g));
+  } else {
+    structure.earlier = earlier_neighbours(matrix, inverse(whole));
+    structure.width.assign(whole.size(), 1);
+  }
+  structure.found = find_supernodes(structure.earlier, structure.width);
+  return structure;
 }
 
 Failure no_memory() {
@@ -258,14 +169,12 @@ Result<CholeskyAnalysis> analyse_cholesky(const Exec& exec, const SymmetricMatri
                                           In<Index> order) try {
   CholeskyAnalysis a;
   a.permutation = whole_order(order, matrix.size());
-  Lists earlier;
-  Result<Supernodes> found = find_in_order(matrix, a.permutation, earlier);
-  if (!found) return fail(found.error());
+  auto [earlier, width, found] = find_in_order(matrix, a.permutation);
   const std::vector<Index> by_order = std::exchange(a.permutation, std::vector<Index>(matrix.size()));
-  for (std::size_t k = 0; k < by_order.size(); ++k) a.permutation[found->place[k]] = by_order[k];
-  a.parent = std::move(found->parent);
-  a.super = exclusive_scan(found->columns);
-  a.row_begin = exclusive_scan(found->rows);
+  for (std::size_t k = 0; k < by_order.size(); ++k) a.permutation[found.place[k]] = by_order[k];
+  a.parent = std::move(found.parent);
+  a.super = exclusive_scan(found.columns);
+  a.row_begin = exclusive_scan(found.rows);
   a.value_begin.assign(1, 0);
   std::vector<double> work;
   std::vector<Index> supernode_of(matrix.size());
@@ -276,7 +185,9 @@ Result<CholeskyAnalysis> analyse_cholesky(const Exec& exec, const SymmetricMatri
     std::fill(supernode_of.begin() + a.super[s], supernode_of.begin() + a.super[s + 1], s);
   }
   a.tasks = split_into_subtrees(a.parent, work, kTaskShare, kLeastTask);
-  fill_rows(earlier, found->place, supernode_of, a);
+  std::vector<Index> begin = exclusive_scan(width);  // in the order, then in the elimination
+  for (Index& row : begin) row = row < a.size() ? found.place[row] : row;
+  fill_rows(earlier, begin, supernode_of, a);
   list_children(a);
   fill_places(exec, matrix, inverse(a.permutation), supernode_of, a);
   return a;
@@ -285,12 +196,10 @@ Result<CholeskyAnalysis> analyse_cholesky(const Exec& exec, const SymmetricMatri
 }
 
 Result<Offset> count_factor(const SymmetricMatrix& matrix, In<Index> order) try {
-  Lists earlier;
-  const auto found = find_in_order(matrix, whole_order(order, matrix.size()), earlier);
-  if (!found) return fail(found.error());
+  const Supernodes found = find_in_order(matrix, whole_order(order, matrix.size())).found;
   Offset entries = 0;
-  for (std::size_t s = 0; s < found->columns.size(); ++s)
-    entries += static_cast<Offset>(found->columns[s]) * found->rows[s];
+  for (std::size_t s = 0; s < found.columns.size(); ++s)
+    entries += static_cast<Offset>(found.columns[s]) * found.rows[s];
   return entries;
 } catch (const std::bad_alloc&) {
   return no_memory();

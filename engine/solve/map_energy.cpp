@@ -18,10 +18,11 @@ ProxyForces triangle_forces(const MapDensity& density, const RestFrame& frame, c
 }
 
 std::array<std::array<Mat2, 3>, 3> triangle_hessian(const MapDensity& density, double projection,
-                                                    const RestFrame& frame, const std::array<Vec2, 3>& z) {
+                                                    double multiple, const RestFrame& frame,
+                                                    const std::array<Vec2, 3>& z) {
   const CornerWeights a = corner_weights(frame);
   const Wirtinger j = wirtinger(a, z);
-  const IsotropicTerms exact = density(j), nearest = projected(exact);
+  const IsotropicTerms exact = density(j), nearest = projected(plus_determinant(exact, j, multiple));
   const double half = 0.5 * area(frame);
   const auto mix = [&](double from, double to) { return half * (from + projection * (to - from)); };
   return corner_hessian(a, j,

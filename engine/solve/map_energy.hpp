@@ -33,9 +33,10 @@ inline std::array<Vec2, 3> corner_images(In<Index> corner_vertex, Index t, In<Ve
 ProxyForces triangle_forces(const MapDensity& density, const RestFrame& frame, const std::array<Vec2, 3>& z);
 
 /// Half the Hessian of a triangle's energy, moved by a share of the way towards its projection: 0 as it is, 1 positive
-/// semidefinite.
+/// semidefinite. Projected is what it is together with a multiple of det J.
 std::array<std::array<Mat2, 3>, 3> triangle_hessian(const MapDensity& density, double projection,
-                                                    const RestFrame& frame, const std::array<Vec2, 3>& z);
+                                                    double multiple, const RestFrame& frame,
+                                                    const std::array<Vec2, 3>& z);
 
 /// Energy of an edge that must not run backwards, and its derivatives, as a function of its length over its rest length:
 /// the barrier, or (x^2 + 1) / chi(x) while untangling.   Ref: DESIGN 3.4.

@@ -96,6 +96,7 @@ class Fronts {
     LargeArray<double> memory(stacks.size[0] + stacks.size[1]);
     std::array<double*, 2> top = {memory.data(), memory.data() + stacks.size[0]};
     for (Index s = r.begin; s < r.end; ++s) {
+      if (first_bad_ < a_.super[s]) return;  // an earlier pivot is bad already, which is the one to be named
       const int own = stacks.odd[s - r.begin];
       if (waits_in_task(s)) {
         update_[s] = top[own];

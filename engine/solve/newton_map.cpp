@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "engine/solve/determinant_multiples.hpp"
 #include "engine/solve/quasi_newton.hpp"
 
 namespace planish {
@@ -15,6 +16,8 @@ constexpr double kEnergyRounding = 1e-14;  // relative, of a sum
 constexpr double kLessProjection = 0.25;
 constexpr double kMoreProjection = 3;
 constexpr double kLeastProjection = 1e-3;  // less is none
+/// Vertices that contacts couple without an elimination order of their own, over the root of their number.
+constexpr double kFewCoupled = 0.7;
 // Of the diagonal, where rounding makes a projected Hessian of very unlike triangles indefinite.
 constexpr double kFirstLift = 1e-12, kMostLift = 1e-4;
 
@@ -98,6 +101,12 @@ NewtonMap::NewtonMap(const Exec& exec, const ArapEnergy& mesh, ReducedUnknowns u
 }
 
 void NewtonMap::lower(const MapDensity& density) {
+  // Where boundaries meet all that happens is near them: there multiples took five times the steps.
+  if (density.kind != MapDensity::Kind::Arap || barrier_ != nullptr) {
+    multiple_.clear();
+  } else if (multiple_.empty()) {
+    multiple_ = determinant_multiples(mesh_);
+  }
   density_ = density;
   energy_ = evaluate_at(x_, force_);
 }
@@ -186,6 +195,15 @@ std::vector<HessianElement> NewtonMap::contacts(bool& pattern_is_new) {
   return elements;
 }
 
+/// So many that the elimination order should know of them: a few couple what lies apart in it at the cost of some rows.
+bool NewtonMap::couples_many() const {
+  std::vector<Index> vertices;
+  for (const auto& triple : coupled_) vertices.insert(vertices.end(), triple.begin(), triple.end());
+  std::sort(vertices.begin(), vertices.end());
+  const auto num = std::unique(vertices.begin(), vertices.end()) - vertices.begin();
+  return static_cast<double>(num) > kFewCoupled * std::sqrt(static_cast<double>(unknowns_.num_pairs()));
+}
+
 Result<void> NewtonMap::factor(double lift) {
   bool pattern_is_new = false;
   std::vector<HessianElement> further = contacts(pattern_is_new);
@@ -197,16 +215,18 @@ Result<void> NewtonMap::factor(double lift) {
     global_.reset();
     hessian_.forget_pattern();
   }
-  SymmetricMatrix& hessian = hessian_.at(exec_, mesh_, unknowns_, density_, projection_, uv(), further);
+  SymmetricMatrix& hessian =
+      hessian_.at(exec_, mesh_, unknowns_, density_, projection_, uv(), further, multiple_);
   if (lift > 0) {
     for (Index column = 0; column < hessian.size(); ++column)
       hessian.value[hessian.column_begin[column]] *= 1 + lift;
   }
   if (global_) return global_->refactor(exec_, hessian);
-  if (pattern_is_new) {
+  if (pattern_is_new && couples_many()) {
     auto order = order_of_unknowns(exec_, hessian, unknowns_);
     if (!order) return fail(order.error());
     order_ = std::move(*order);
+    ++orders_found_;
   }
   auto factored = GlobalPhase::factor(exec_, hessian, order_);
   if (!factored) return fail(factored.error());

@@ -43,6 +43,8 @@ class NewtonMap {
   bool advance();
   /// From now on the boundary does not cross itself: its barrier is part of the energy. barrier: outlives the map, or null.
   void keep_apart(const BoundaryBarrier* barrier) { barrier_ = barrier; }
+  /// Elimination orders found for what contacts couple; where they couple few vertices that of the unknowns serves.
+  int orders_found() const { return orders_found_; }
   /// From the next lower() on stiffness times the squared distances of vertices from places is part of the energy. Free
   /// vertices alone; the places outlive the map.
   void pull(In<std::pair<Index, Vec2>> places, double stiffness) {
@@ -59,6 +61,7 @@ class NewtonMap {
   double add_line_edges(std::vector<Vec2>& force) const;
   double first_reversal() const;
   Result<void> factor(double lift);
+  bool couples_many() const;
   void bound_length();
   std::vector<HessianElement> contacts(bool& pattern_is_new);
   double add_pull(In<Vec2> uv, Out<Vec2> force) const;
@@ -77,6 +80,8 @@ class NewtonMap {
   std::vector<Vec2> x_, force_, direction_, x_trial_, force_trial_;
   double energy_ = 0, force_times_direction_ = 0, length_ = 1;
   double projection_ = 1;
+  int orders_found_ = 0;
+  std::vector<double> multiple_;  // [T] of det J, for ARAP
   const BoundaryBarrier* barrier_ = nullptr;
   In<std::pair<Index, Vec2>> places_;
   double stiffness_ = 0;

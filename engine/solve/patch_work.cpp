@@ -6,12 +6,14 @@
 #include <optional>
 
 #include "engine/solve/untangle.hpp"
+#include "engine/solve/unwind.hpp"
 
 namespace planish {
 namespace {
 
 constexpr int kRings = 4;
 constexpr int kMostUntangling = 25;  // steps; what takes more is left to the whole
+constexpr int kUnwoundRings = 1;     // around overwound vertices, at first
 /// Mean stretch below which a triangle is part of a compressed place.
 constexpr double kCompressed = 0.6;
 
@@ -20,7 +22,7 @@ class PatchJob {
  public:
   PatchJob(const Exec& exec, const ArapEnergy& mesh, const Patch& patch, const MapDensity& density,
            In<Vec2> x)
-      : patch_(patch), density_(density), local_(mesh, patch) {
+      : exec_(exec), patch_(patch), density_(density), local_(mesh, patch) {
     std::vector<Vec2> start;
     for (const Index v : patch.vertex) start.push_back(x[v]);
     map_.emplace(exec, local_.energy(), local_.unknowns(), nullptr, std::move(start));
@@ -28,7 +30,10 @@ class PatchJob {
   PatchJob(const PatchJob&) = delete;
   PatchJob& operator=(const PatchJob&) = delete;
 
-  void untangle(int most_steps) { untangling_.emplace(*map_, most_steps); }
+  void untangle(int most_steps) {
+    most_untangling_ = most_steps;
+    untangling_.emplace(*map_, most_steps);
+  }
   void descend(double tolerance, double whole_energy, int most_steps) {
     tolerance_ = tolerance;
     whole_energy_ = whole_energy;
@@ -36,7 +41,9 @@ class PatchJob {
   }
 
   bool is_done() const { return done_; }
-  int steps() const { return (untangling_ ? untangling_->steps() : 0) + (descent_ ? descent_->steps() : 0); }
+  int steps() const {
+    return steps_before_ + (untangling_ ? untangling_->steps() : 0) + (descent_ ? descent_->steps() : 0);
+  }
 
   /// Steps until the time is up, at least one.   Fails: OutOfMemory.
   Result<void> work(double seconds) {
@@ -59,6 +66,7 @@ class PatchJob {
   Result<void> step() {
     if (untangling_ && !untangling_->is_done()) return untangling_->step();
     if (!descent_) {
+      if (untangling_ && unwinds()) return {};
       good_ = map_->measure().is_injective(map_->uv());
       done_ = !good_;
       if (done_) return {};
@@ -71,6 +79,21 @@ class PatchJob {
     return stepped;
   }
 
+  /// Where vertices are overwound and nothing else is wrong: once more, from where they are laid out anew.
+  bool unwinds() {
+    constexpr int kMostTimes = 3;
+    if (times_unwound_ == kMostTimes || !map_->is_positive()) return false;
+    const std::vector<Index> wound = overwound_vertices(exec_, local_.energy(), map_->uv());
+    if (wound.empty()) return false;
+    std::vector<Vec2> x = map_->x();
+    unwind(local_.energy(), wound, kUnwoundRings << times_unwound_++, x);
+    map_->move_to(std::move(x));
+    steps_before_ += untangling_->steps();
+    untangling_.emplace(*map_, most_untangling_);
+    return true;
+  }
+
+  const Exec& exec_;
   const Patch& patch_;
   MapDensity density_;
   PatchMesh local_;
@@ -78,7 +101,7 @@ class PatchJob {
   std::optional<Untangling> untangling_;
   std::optional<Descent> descent_;
   double tolerance_ = 0, whole_energy_ = 0;
-  int most_steps_ = 0;
+  int most_steps_ = 0, most_untangling_ = 0, times_unwound_ = 0, steps_before_ = 0;
   bool good_ = false, done_ = false;
 };
 

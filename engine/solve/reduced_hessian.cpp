@@ -210,12 +210,12 @@ SymmetricMatrix find_pattern(const Exec& exec, const Elements& elements, const R
 
 SymmetricMatrix& ReducedHessian::at(const Exec& exec, const ArapEnergy& mesh, const ReducedUnknowns& unknowns,
                                     const MapDensity& density, double projection, In<Vec2> uv,
-                                    In<HessianElement> further) {
+                                    In<HessianElement> further, In<double> multiple) {
   triangle_.resize(mesh.num_triangles());
   exec.for_blocks(mesh.num_triangles(), kBlock, [&](Index, Range r) {
     for (Index t = r.begin; t < r.end; ++t) {
-      triangle_[t] = blocks_of(
-          triangle_hessian(density, projection, mesh.frame[t], corner_images(mesh.corner_vertex, t, uv)));
+      triangle_[t] = blocks_of(triangle_hessian(density, projection, multiple.empty() ? 0 : multiple[t],
+                                                mesh.frame[t], corner_images(mesh.corner_vertex, t, uv)));
     }
   });
   const Elements elements(mesh, unknowns, triangle_, further);

@@ -45,11 +45,11 @@ class ReducedHessian {
  public:
   /// At uv [V]; holds until the next call, and may be changed until then. Mesh, unknowns and the vertices of further elements
   /// as in the call before, unless forget_pattern() came between; moves of features by other amounts.
-  ///   projection: as in triangle_hessian()
+  ///   projection, multiple [T] or empty for 0: as in triangle_hessian()
   /// Cost: O(T), parallel; O(m^2) at triangles with m moves of features.
   SymmetricMatrix& at(const Exec& exec, const ArapEnergy& mesh, const ReducedUnknowns& unknowns,
                       const MapDensity& density, double projection, In<Vec2> uv,
-                      In<HessianElement> further = {});
+                      In<HessianElement> further = {}, In<double> multiple = {});
   void forget_pattern() { matrix_ = {}; }
 
   /// The blocks of a triangle that are not others transposed.

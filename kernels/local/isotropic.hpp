@@ -75,6 +75,17 @@ inline std::array<Vec2, 3> corner_gradient(const CornerWeights& a, const Wirting
   return gradient;
 }
 
+/// The density plus a multiple of det J: the sum of det J over a mesh is the area of its image, which vertices inside do not
+/// change. ARAP plus 2 det J is 4 |p|^2 - 4 |p| + 2, convex wherever |p| >= 1/2.
+inline IsotropicTerms plus_determinant(IsotropicTerms terms, const Wirtinger& j, double multiple) {
+  terms.value += multiple * (dot(j.p, j.p) - dot(j.q, j.q));
+  terms.across_p += 2 * multiple;
+  terms.pp += 2 * multiple;
+  terms.across_q -= 2 * multiple;
+  terms.qq -= 2 * multiple;
+  return terms;
+}
+
 /// Second derivatives with respect to the corners, blocks [3][3].
 std::array<std::array<Mat2, 3>, 3> corner_hessian(const CornerWeights& a, const Wirtinger& j,
                                                   const IsotropicTerms& terms);

@@ -101,23 +101,23 @@ Leaf leaf(Index i, Index j, const CountScratch& s) {
 }  // namespace
 
 void column_counts(In<Index> parent, In<Index> post, const Offsets& later, In<Index> later_row,
-                   Out<Index> count, const CountScratch& s) {
+                   In<Index> weight, Out<Index> count, const CountScratch& s) {
   const auto n = static_cast<Index>(parent.size());
   std::fill(s.first.begin(), s.first.end(), kNone);
   for (Index k = 0; k < n; ++k) {  // first[j]: the first descendant's place in the postorder
     Index j = post[k];
-    count[j] = s.first[j] == kNone ? 1 : 0;
+    count[j] = s.first[j] == kNone ? weight[j] : 0;
     for (; j != kNone && s.first[j] == kNone; j = parent[j]) s.first[j] = k;
   }
   std::fill(s.latest_leaf.begin(), s.latest_leaf.end(), kNone);
   std::fill(s.previous_leaf.begin(), s.previous_leaf.end(), kNone);
   for (Index j = 0; j < n; ++j) s.ancestor[j] = j;
   for (const Index j : post) {
-    if (parent[j] != kNone) --count[parent[j]];
+    if (parent[j] != kNone) count[parent[j]] -= weight[j];
     for (const Index i : slice(later_row, later.group(j))) {
       const Leaf found = leaf(i, j, s);
-      if (found.is_leaf) ++count[j];
-      if (found.meeting != kNone) --count[found.meeting];
+      if (found.is_leaf) count[j] += weight[i];
+      if (found.meeting != kNone) count[found.meeting] -= weight[i];
     }
     if (parent[j] != kNone) s.ancestor[j] = parent[j];
   }

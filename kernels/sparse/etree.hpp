@@ -23,12 +23,12 @@ struct CountScratch {
   Out<Index> first, latest_leaf, previous_leaf, ancestor;
 };
 
-/// Entries of each column of the factor, diagonal included.
+/// Entries of each column of the factor, diagonal included, where row i stands for weight[i] rows.
 ///   post [n] a postorder of the tree;   later [n groups] the neighbours of each row that are eliminated after it
 ///   count [n] out
 /// Cost: near O(nonzeros).   Ref: Gilbert, Ng and Peyton 1994; Davis 2006, section 4.5.
 void column_counts(In<Index> parent, In<Index> post, const Offsets& later, In<Index> later_row,
-                   Out<Index> count, const CountScratch& scratch);
+                   In<Index> weight, Out<Index> count, const CountScratch& scratch);
 
 /// When a supernode takes in a child, at the cost of zeros in the panel: always up to `always` columns, else where the zeros
 /// are at most that share of the entries.

@@ -2,8 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include "engine/workpiece.hpp"
-#include "tests/support/shapes.hpp"
+#include "engine/solve/untangle.hpp"
+#include "tests/support/grid_map.hpp"
 
 using namespace planish;
 
@@ -147,4 +147,38 @@ TEST_CASE("boundary barrier: pairs are among those that are near, and steps end 
   const auto elements = barrier.hessian(closed, 1);
   CHECK(elements.size() > 2);
   for (const HessianElement& e : elements) CHECK(std::binary_search(near.begin(), near.end(), e.vertex));
+}
+
+TEST_CASE("boundary barrier: the elimination order is found anew where contacts couple many vertices") {
+  constexpr Index kSide = 12;
+  const GridMap grid(kSide);
+  const ArapEnergy mesh = grid.piece.energy(grid.nodes.fixed);
+  const BoundaryBarrier barrier(grid.exec, mesh, grid.piece.topology(), grid.piece.component);
+  Vec2 low = grid.flat.front(), high = low;
+  for (const Vec2 z : grid.flat) {
+    low = {std::min(low.x, z.x), std::min(low.y, z.y)};
+    high = {std::max(high.x, z.x), std::max(high.y, z.y)};
+  }
+  const double side = high.x - low.x, close = 0.1 * side / kSide;
+  // Rolled up, left and right edge at a distance that grows with the radius.
+  const auto orders_found = [&](double opening) {
+    std::vector<Vec2> x;
+    for (const Vec2 z : grid.flat) {
+      const double radius = side * (1 + (high.y - z.y) / side), share = (z.x - low.x) / side;
+      const double gap = close / radius + opening * (radius - side) / side;
+      x.push_back(radius * unit((2 * kPi - gap) * share));
+    }
+    NewtonMap map(
+        grid.exec, mesh,
+        whole_unknowns(*grid.dof, grid.piece.order, grid.piece.component, std::vector<std::uint8_t>{1}, x),
+        grid.dof.get(), x);
+    map.keep_apart(&barrier);
+    map.lower({});
+    REQUIRE(barrier.near(x).size() > 0);
+    REQUIRE(map.is_positive());
+    REQUIRE(map.prepare());
+    return map.orders_found();
+  };
+  CHECK(orders_found(0) == 1);
+  CHECK(orders_found(1) == 0);  // the inner ends alone are near one another
 }

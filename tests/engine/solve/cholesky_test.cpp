@@ -5,6 +5,7 @@
 
 #include "engine/solve/cholesky_analysis.hpp"
 #include "engine/solve/global_phase.hpp"
+#include "engine/solve/twin_rows.hpp"
 #include "tests/support/cholmod_reference.hpp"
 #include "tests/support/sparse_cases.hpp"
 
@@ -135,38 +136,90 @@ TEST_CASE("cholesky: a matrix without rows has a factor") {
   global->solve(Exec(1), {}, {});
 }
 
+namespace {
+
+void check_structure(const SymmetricMatrix& matrix, In<Index> order) {
+  const auto a = analyse_cholesky(Exec(2), matrix, order);
+  REQUIRE(a);
+  CHECK(*count_factor(matrix, order) == a->factor_nonzeros());
+  const auto pattern = sparse_cases::factor_pattern(matrix, a->permutation);
+  std::vector<Index> first(a->num_supernodes());
+  for (Index s = 0; s < a->num_supernodes(); ++s) {
+    const In<Index> rows = In<Index>(a->row).subspan(a->row_begin[s], a->rows(s));
+    std::set<Index> held(rows.begin(), rows.end());
+    CHECK(static_cast<Index>(held.size()) == a->rows(s));
+    CHECK(std::is_sorted(rows.begin(), rows.end()));
+    CHECK(rows.front() == a->super[s]);
+    for (Index j = a->super[s]; j < a->super[s + 1]; ++j)
+      CHECK(std::includes(held.begin(), held.end(), pattern[j].begin(), pattern[j].end()));
+    first[s] = s;
+    for (const Index child : a->children(s)) {
+      CHECK(a->parent[child] == s);
+      first[s] = std::min(first[s], first[child]);
+    }
+    // The children's subtrees fill the range before s.
+    Index end = first[s];
+    for (const Index child : a->children(s)) {
+      CHECK(first[child] == end);
+      end = child + 1;
+    }
+    CHECK(end == s);
+  }
+  CHECK(a->super.back() == matrix.size());
+}
+
+/// Rows of one or two for each of a matrix, the two coupled; what couples rows of it couples all of theirs, but for some
+/// entries that are left out.
+SymmetricMatrix in_pairs(const SymmetricMatrix& matrix, In<Index> first, shapes::Random& random,
+                         double left_out) {
+  std::set<std::pair<Index, Index>> edges;
+  for (Index j = 0; j < matrix.size(); ++j) {
+    for (Index k = matrix.column_begin[j]; k < matrix.column_begin[j + 1]; ++k) {
+      const Index i = matrix.row[k];
+      for (Index a = first[i]; a < first[i + 1]; ++a) {
+        for (Index b = first[j]; b < first[j + 1]; ++b) {
+          if (a > b && random.uniform() >= left_out) edges.insert({a, b});
+        }
+      }
+    }
+  }
+  return sparse_cases::from_edges(first[matrix.size()], edges, random);
+}
+
+}  // namespace
+
 TEST_CASE("cholesky: supernodes are postordered, hold the factor's structure, and cost the memory foretold") {
   for (const Case& c : all_cases()) {
     CAPTURE(c.name);
-    const Index n = c.matrix.size();
-    const auto order = *fill_reducing_order(Exec(1), c.matrix);
-    const auto a = analyse_cholesky(Exec(2), c.matrix, order);
-    REQUIRE(a);
-    CHECK(*count_factor(c.matrix, order) == a->factor_nonzeros());
-    const auto pattern = sparse_cases::factor_pattern(c.matrix, a->permutation);
-    std::vector<Index> first(a->num_supernodes());
-    for (Index s = 0; s < a->num_supernodes(); ++s) {
-      const In<Index> rows = In<Index>(a->row).subspan(a->row_begin[s], a->rows(s));
-      std::set<Index> held(rows.begin(), rows.end());
-      CHECK(static_cast<Index>(held.size()) == a->rows(s));
-      CHECK(std::is_sorted(rows.begin(), rows.end()));
-      CHECK(rows.front() == a->super[s]);
-      for (Index j = a->super[s]; j < a->super[s + 1]; ++j)
-        CHECK(std::includes(held.begin(), held.end(), pattern[j].begin(), pattern[j].end()));
-      first[s] = s;
-      for (const Index child : a->children(s)) {
-        CHECK(a->parent[child] == s);
-        first[s] = std::min(first[s], first[child]);
-      }
-      // The children's subtrees fill the range before s.
-      Index end = first[s];
-      for (const Index child : a->children(s)) {
-        CHECK(first[child] == end);
-        end = child + 1;
-      }
-      CHECK(end == s);
+    check_structure(c.matrix, *fill_reducing_order(Exec(1), c.matrix));
+  }
+}
+
+TEST_CASE("cholesky: rows in pairs, some of them torn apart, have the structure of rows one by one") {
+  shapes::Random random(67);
+  for (const double left_out : {0.0, 0.03}) {
+    const SymmetricMatrix of = sparse_cases::random_matrix(800, 3, random);
+    std::vector<Index> first{0}, order;
+    for (Index i = 0; i < of.size(); ++i) first.push_back(first.back() + (i % 7 == 3 ? 1 : 2));
+    const SymmetricMatrix matrix = in_pairs(of, first, random, left_out);
+    const std::vector<Index> order_of = *fill_reducing_order(Exec(1), of);
+    for (const Index i : order_of) {
+      for (Index row = first[i]; row < first[i + 1]; ++row) order.push_back(row);
     }
-    CHECK(a->super.back() == n);
+    check_structure(matrix, order);
+    const auto twins = find_twin_rows(matrix, order);
+    REQUIRE(twins);
+    if (left_out == 0) {
+      CHECK(twins->first == first);
+      CHECK(twins->pattern.row == of.row);
+      // Turned round, the second of a pair comes before the first: all stand alone.
+      std::reverse(order.begin(), order.end());
+      CHECK(!find_twin_rows(matrix, order));
+      check_structure(matrix, order);
+    } else {
+      CHECK(twins->order.size() > 900);
+      CHECK(twins->order.size() < order.size());
+    }
   }
 }
 

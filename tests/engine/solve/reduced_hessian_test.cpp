@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "engine/solve/determinant_multiples.hpp"
 #include "tests/support/grid_map.hpp"
 
 using namespace planish;
@@ -120,6 +121,48 @@ TEST_CASE("reduced hessian: over moves of features it is that over their vertice
         CHECK(std::abs(reduced[row][column] - expected) < 1e-9 * (1 + std::abs(expected)));
       }
     }
+  }
+}
+
+TEST_CASE(
+    "reduced hessian: projected with multiples of det J it is the true one of what is compressed to 0.7") {
+  const GridMap grid(8);
+  const ArapEnergy mesh = grid.energy();
+  const std::vector<double> multiple = determinant_multiples(mesh);
+  std::vector<Vec2> x = disturbed(grid, 3);
+  for (Vec2& z : x) z = 0.7 * z;
+  ReducedHessian one, other;
+  const MapDensity no_wall{.kind = MapDensity::Kind::Arap, .barrier = {.weight = 0, .delta = 1e-12}};
+  const auto at = [&](ReducedHessian& hessian, double projection, In<double> by) {
+    return hessian.at(grid.exec, mesh, grid.inner(), no_wall, projection, x, {}, by);
+  };
+  const SymmetricMatrix exact = at(one, 0, multiple), projected = at(other, 1, multiple);
+  double difference = 0;
+  for (std::size_t k = 0; k < exact.value.size(); ++k)
+    difference = std::max(difference, std::abs(exact.value[k] - projected.value[k]));
+  CHECK(difference < 1e-12);
+  CHECK(at(one, 1, {}).value != projected.value);
+}
+
+TEST_CASE("determinant multiples: they fall to 0 at boundaries that are free, and nowhere else") {
+  const GridMap grid(24);
+  const std::vector<std::uint8_t> none(grid.rim.size(), 0);
+  const ArapEnergy held = grid.energy(), free = grid.piece.energy(none);
+  for (const double m : determinant_multiples(held)) CHECK(m == 2);
+  const std::vector<double> multiple = determinant_multiples(free);
+  Vec2 first = grid.flat.front(), last = first;
+  for (const Vec2 z : grid.flat) {
+    first = {std::min(first.x, z.x), std::min(first.y, z.y)};
+    last = {std::max(last.x, z.x), std::max(last.y, z.y)};
+  }
+  for (Index t = 0; t < free.num_triangles(); ++t) {
+    double nearest = kInfinity;  // rows and columns from the rim
+    for (Index c = 3 * t; c < 3 * t + 3; ++c) {
+      const Vec2 z = grid.flat[free.corner_vertex[c]];
+      for (const double d : {z.x - first.x, last.x - z.x, z.y - first.y, last.y - z.y})
+        nearest = std::min(nearest, 24 * d / (last.x - first.x));
+    }
+    CHECK(multiple[t] == doctest::Approx(std::min(2.0, nearest / 4)).epsilon(1e-9));
   }
 }
 

@@ -131,6 +131,27 @@ TEST_CASE("patches: they do not touch, hold their rims, and have the energy of t
     CHECK(norm(local_force[i] - force[patches[0].vertex[i]]) < 1e-12);
 }
 
+TEST_CASE(
+    "newton map: of what is compressed and held around the first, projected step is as good as Newton's "
+    "own") {
+  const GridMap grid(10);
+  const ArapEnergy mesh = grid.energy();
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> change(-1e-4, 1e-4);
+  std::vector<Vec2> x;
+  for (std::size_t v = 0; v < grid.flat.size(); ++v) {
+    x.push_back(0.7 * grid.flat[v]);
+    if (!grid.rim[v]) x.back() += Vec2{change(random), change(random)};
+  }
+  NewtonMap map(grid.exec, mesh, grid.inner(), nullptr, x);
+  map.lower({});
+  REQUIRE(map.prepare());
+  const double before = map.gradient();
+  REQUIRE(map.advance());
+  REQUIRE(map.prepare());
+  CHECK(map.gradient() < 1e-2 * before);
+}
+
 TEST_CASE("tutte: a crumpled surface has a map without flips") {
   GridMap grid(15);
   std::mt19937 random(9);

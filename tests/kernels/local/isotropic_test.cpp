@@ -31,7 +31,8 @@ const std::vector<Density> kDensities = {
     {"barred arap", [](const Wirtinger& j) { return barred_arap_terms(j, {.weight = 0.3, .delta = 2}); },
      false},
     {"symmetric dirichlet", [](const Wirtinger& j) { return symmetric_dirichlet_terms(j); }, false},
-    {"untangling", [](const Wirtinger& j) { return untangling_terms(j, 0.3); }, true}};
+    {"untangling", [](const Wirtinger& j) { return untangling_terms(j, 0.3); }, true},
+    {"arap and area", [](const Wirtinger& j) { return plus_determinant(arap_terms(j), j, 2); }, true}};
 
 Corners random_corners(std::mt19937& random, bool positive) {
   std::uniform_real_distribution<double> coordinate(-1, 1);
@@ -81,6 +82,7 @@ Jet<6> twin_of(const Density& density, const Corners& z) {
   if (name == "untangling")
     return (f + d * d + Jet<6>(1)) * inverse(Jet<6>(0.5) * (d + root(d * d + Jet<6>(0.09))));
   const Jet<6> arap = f - Jet<6>(2) * root(f + Jet<6>(2) * d) + Jet<6>(2);  // |J|^2 - 2 (s1 + s2) + 2
+  if (name == "arap and area") return arap + Jet<6>(2) * d;
   const Jet<6> y = Jet<6>(0.5) * d, gap = Jet<6>(1) - y;
   return name == "barred arap" && y.value < 1 ? arap + Jet<6>(0.3) * gap * gap * gap * inverse(y) : arap;
 }
@@ -202,6 +204,21 @@ TEST_CASE(
   const IsotropicTerms saddle = projected({.pp = 1, .pq = 2, .qq = 1});
   CHECK(saddle.pp == doctest::Approx(1.5));
   CHECK(saddle.pq == doctest::Approx(1.5));
+}
+
+TEST_CASE("isotropic: with twice the determinant ARAP is convex down to |p| = 1/2") {
+  std::mt19937 random(7);
+  int compressed = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Wirtinger j = wirtinger(corner_weights(kFrame), random_corners(random, false));
+    const IsotropicTerms terms = plus_determinant(arap_terms(j), j, 2), nearest = projected(terms);
+    const double p = norm(j.p);
+    CHECK(terms.value == doctest::Approx(4 * p * p - 4 * p + 2));
+    if (p < 1) compressed += p >= 0.5;
+    CHECK((nearest.across_p == terms.across_p && nearest.pp == terms.pp && nearest.qq == terms.qq) ==
+          (p >= 0.5));
+  }
+  CHECK(compressed > 20);
 }
 
 TEST_CASE("isotropic: rotations change no density") {

@@ -38,7 +38,7 @@ struct Tree {
     std::vector<Index> a(n), b(n), c(n), d(n);
     elimination_tree({earlier_begin}, earlier, parent, a);
     postorder(parent, std::vector<Index>(n, 0), post, a, b);
-    column_counts(parent, post, {later_begin}, later, count, {a, b, c, d});
+    column_counts(parent, post, {later_begin}, later, std::vector<Index>(n, 1), count, {a, b, c, d});
   }
 
   /// The pattern with columns renumbered by the postorder.
@@ -97,6 +97,22 @@ TEST_CASE("etree: parents are the first rows below the diagonal, counts the colu
         CHECK(tree.parent[j] == (below == tree.pattern[j].end() ? kNone : *below));
         CHECK(tree.count[j] == static_cast<Index>(tree.pattern[j].size()));
       }
+    }
+  }
+}
+
+TEST_CASE("etree: where rows stand for several, counts are those of all of them") {
+  shapes::Random random(24);
+  for (int repeat = 0; repeat < 10; ++repeat) {
+    const Index n = 80;
+    const Tree tree(n, 3, random);
+    std::vector<Index> weight(n), count(n), a(n), b(n), c(n), d(n);
+    for (Index& w : weight) w = 1 + static_cast<Index>(random.uniform() * 3);
+    column_counts(tree.parent, tree.post, {tree.later_begin}, tree.later, weight, count, {a, b, c, d});
+    for (Index j = 0; j < n; ++j) {
+      Index sum = 0;
+      for (const Index i : tree.pattern[j]) sum += weight[i];
+      CHECK(count[j] == sum);
     }
   }
 }
