@@ -21,7 +21,7 @@ using namespace planish;
 struct Arguments {
   Index triangles = 1'000'000;
   double noise = 0, tolerance = 1e-6;
-  int threads = 0, moves = 5;
+  int threads = 0, moves = 16;
 };
 
 [[noreturn]] void stop(const std::string& why) {

@@ -43,6 +43,7 @@ BestLine best_line(In<Vec2> point);
 struct Placement {
   Vec2 p;
   Vec2 c{1, 0};
+  bool operator==(const Placement&) const = default;
 };
 /// scale: |c| where it is given, or 0 for the best one.   Ref: Procrustes, in complex numbers.
 Placement best_placement(In<Vec2> shape, In<Vec2> point, double scale);

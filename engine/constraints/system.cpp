@@ -40,8 +40,13 @@ Result<void> ConstraintSystem::settle() {
   agreement_ = std::move(*agreed);
   assemblies_ = find_assemblies(compiled_, agreement_);
   owners_ = find_owners(compiled_, agreement_);
-  nodes_ = find_nodes(compiled_, owners_, assemblies_, vertex_component_, rest_.topology->num_components);
+  find_nodes();
   return {};
+}
+
+void ConstraintSystem::find_nodes() {
+  nodes_ =
+      planish::find_nodes(compiled_, owners_, assemblies_, vertex_component_, rest_.topology->num_components);
 }
 
 Result<void> ConstraintSystem::orient(const Exec& exec, const StartInput& input, Init init) {
@@ -154,16 +159,22 @@ Result<void> ConstraintSystem::mirror(Index body) {
   return settle();
 }
 
-Result<void> ConstraintSystem::move_pin(Index vertex, Vec2 uv) {
-  bool found = false;
+Result<bool> ConstraintSystem::move_pin(Index vertex, Vec2 uv) {
+  bool found = false, beside = true;
   for (Pin& pin : compiled_.pins) {
     if (view_.origin_of(rest_.mesh->vertex_origin[pin.vertex]) != vertex) continue;
     pin.uv = uv;
     found = true;
+    for (const Owner& owner : owners_) beside = beside && owner.vertex != pin.vertex;
   }
   if (!found) return fail(ErrorCode::BadUsage, "vertex " + std::to_string(vertex) + " has no pin");
+  if (beside && orientation_.parted.empty()) {
+    find_nodes();
+    return false;
+  }
   orientation_.parted.clear();
-  return settle();
+  if (auto settled = settle(); !settled) return fail(settled.error());
+  return true;
 }
 
 Result<void> ConstraintSystem::check_scales(const Poses& poses) const {

@@ -31,9 +31,10 @@ class ConstraintSystem {
   /// The same without pins, oriented alike: where the map would lie by itself.
   Result<std::unique_ptr<ConstraintSystem>> without_pins() const;
   const std::vector<Pin>& pins() const { return compiled_.pins; }
-  /// To another place; directions are to be found anew.   vertex: as pins name it;  uv: units of the ordered mesh
+  /// To another place. Returns whether directions are to be found anew: not for a pin beside all features.
+  ///   vertex: as pins name it;  uv: units of the ordered mesh
   /// Fails: BadUsage (no such pin); ConstraintsConflict (pins that their shape cannot take).
-  Result<void> move_pin(Index vertex, Vec2 uv);
+  Result<bool> move_pin(Index vertex, Vec2 uv);
 
   /// In place of orient(): directions, and the sides of templates that the surface leaves open, as they suit a given map
   /// best. Returns by how much each component of the map is to be turned so that directions against the u axis and between
@@ -73,6 +74,7 @@ class ConstraintSystem {
   ConstraintSystem(const RestSurface& rest, const ConstraintView& view, In<Index> vertex_component)
       : rest_(rest), view_(view), vertex_component_(vertex_component) {}
   Result<void> settle();
+  void find_nodes();  ///< where pins are
   /// Tries a step; where constraints contradict one another, again with a template turned round whose way the surface
   /// leaves open. The first contradiction where no single turn helps.
   Result<void> any_way_round(const std::function<Result<void>()>& step);

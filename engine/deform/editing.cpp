@@ -85,14 +85,21 @@ Result<std::unique_ptr<ConstraintSystem>> Editing::compiled_system(const Monitor
 Result<void> Editing::move_pin(Index vertex, Vec2 uv) {
   if (!system_) return fail(ErrorCode::BadUsage, "there are no constraints, so no pin to move");
   auto moved = system_->move_pin(vertex, (1 / mesh().unit) * uv);
-  if (!moved) return moved;
+  if (!moved) return fail(moved.error());
   for (Constraint& constraint : set_.constraints) {
     auto* pins = std::get_if<PinConstraint>(&constraint.rule);
     for (std::size_t i = 0; pins != nullptr && i < pins->vertex.size(); ++i) {
       if (pins->vertex[i] == vertex) pins->uv[i] = uv;
     }
   }
+  if (!*moved && keeps_placed()) return {};
   return timed(Phase::Start, {}, [&] { return place(); });
+}
+
+/// Nothing but a pin moves, as long as components stay where all their pins together lay them.
+bool Editing::keeps_placed() const {
+  if (release_ != Release::None || last_.poses != FeaturePoses::Held) return false;
+  return onto_pins(system_->pins(), piece_.component, topology().num_components, given_.uv) == laid_;
 }
 
 /// Components move as pins and directions ask, then each constrained element goes where it lies nearest.
@@ -102,6 +109,7 @@ Result<void> Editing::place() {
   std::vector<Placement> motion(topology().num_components);
   std::vector<Vec2> map = given_.uv;
   if (system_) {
+    laid_ = onto_pins(system_->pins(), piece_.component, topology().num_components, map);
     auto aligned = align_map(piece_, *system_, map);
     if (!aligned) return fail(aligned.error());
     motion = std::move(*aligned);
@@ -120,7 +128,7 @@ Result<void> Editing::place() {
 void Editing::align(std::vector<Placement> motion) {
   std::vector<Placement> change;
   for (std::size_t k = 0; k < motion.size(); ++k) {
-    const bool same = motion[k].c == motion_[k].c && motion[k].p == motion_[k].p;
+    const bool same = motion[k] == motion_[k];
     change.push_back(same ? Placement{} : then(inverse(motion_[k]), motion[k]));
     if (!same) responses_.forget();
   }

@@ -59,6 +59,7 @@ class Editing {
 
   Result<void> compile(const Constraints& constraints, const Monitor& monitor);
   Result<void> place();
+  bool keeps_placed() const;
   void align(std::vector<Placement> motion);
   void find_held();
   Result<void> factor();
@@ -125,6 +126,7 @@ class Editing {
   std::unique_ptr<ConstraintSystem> system_;  // none without constraints
 
   std::vector<Vec2> aligned_;      // [V] the given map, components moved as pins and directions ask
+  std::vector<Placement> laid_;    // what of it pins alone ask for
   std::vector<Placement> motion_;  // by which they were, per component
   std::optional<PlacedFeatures> placed_;
   NodeMap nodes_;                           // all feature vertices and pins held
@@ -133,6 +135,7 @@ class Editing {
   std::optional<GlobalPhase> global_;
   std::optional<LocalPhase> local_;  // for the same
   std::optional<MapEnergy> measure_;
+  VectorPool pool_;  // what solves return their memory to
 
   std::vector<Vec2> uv_;  // [V] where the map is
   bool settled_ = false;  // at a minimum without flips, features held

@@ -21,7 +21,7 @@ constexpr int kLeastRings = 4, kMostRings = 60;
 }  // namespace
 
 Result<Minimum> Editing::follow_held(const SolveOptions& options, const Monitor& monitor) {
-  const std::vector<Vec2> before = uv_;
+  std::vector<Vec2> before = pool_.copy(uv_);
   std::vector<Vec2> way;
   for (const auto& [v, z] : nodes_.place) way.push_back(z - uv_[v]);
   const bool follows = responses_.follow(way, uv_) < kFollows;
@@ -32,8 +32,9 @@ Result<Minimum> Editing::follow_held(const SolveOptions& options, const Monitor&
   }
   auto minimum = minimise(flatten_options(options), monitor, Mending::AtEnd, follows);
   if (!minimum || !minimum->injective) return minimum;
-  std::vector<Vec2> response(before.size());
+  std::vector<Vec2> response = pool_.take(before.size());
   combine(exec_, {{1, minimum->uv}, {-1, before}}, response);
+  pool_.give(std::move(before));
   responses_.learn(std::move(way), std::move(response));
   return minimum;
 }

@@ -32,11 +32,13 @@ FlattenOptions Editing::flatten_options(const SolveOptions& options) const {
 }
 
 Result<void> Editing::solve(const SolveOptions& options, const Monitor& monitor, const StepSink& sink) {
-  const std::vector<Vec2> before = uv_;
+  std::vector<Vec2> before = pool_.copy(uv_);
   auto solved = go_on(options, monitor, sink);
-  if (solved) return solved;
-  uv_ = before;
-  settled_ = false;
+  if (!solved) {
+    uv_.swap(before);
+    settled_ = false;
+  }
+  pool_.give(std::move(before));
   return solved;
 }
 
@@ -44,7 +46,7 @@ Result<void> Editing::go_on(const SolveOptions& options, const Monitor& monitor,
   last_ = options;
   way_.clear();
   if (auto factored = timed(Phase::Start, monitor, [&] { return factor(); }); !factored) return factored;
-  const std::vector<Vec2> start = uv_;
+  std::vector<Vec2> start = pool_.copy(uv_);
   if (auto taken = say_step(0, sink); !taken) return taken;
   release_ = Release::None;
   settled_ = settled_ && options.steps == 1;
@@ -54,6 +56,7 @@ Result<void> Editing::go_on(const SolveOptions& options, const Monitor& monitor,
     settled_ = false;
     minimum = let_go(std::move(*minimum), options, monitor);
   }
+  pool_.give(std::move(start));
   if (!minimum) return fail(minimum.error());
   settled_ = minimum->injective && release_ == Release::None && options.poses == FeaturePoses::Held;
   keep(std::move(*minimum));
@@ -112,10 +115,11 @@ Result<Minimum> Editing::minimise(const FlattenOptions& options, const Monitor& 
                                   bool begins_near) {
   const std::vector<Vec2> rotation = begins_near ? std::vector<Vec2>() : closest_rotations();
   DofMap dof(nodes_);
-  std::vector<Vec2> near = uv_;
+  std::vector<Vec2> near = pool_.copy(uv_);
   for (const auto& [v, z] : nodes_.place) near[v] = z;
   ArapProblem arap = problem(*global_, nodes_, dof, rotation);
   arap.local = &*local_;
+  arap.pool = &pool_;
   arap.near = near;
   // A map without flips is not given up for one that may have some.
   arap.begins_near = begins_near || (mending == Mending::Watched && is_injective(arap, near));
@@ -123,7 +127,9 @@ Result<Minimum> Editing::minimise(const FlattenOptions& options, const Monitor& 
     arap.most_untangling_steps = kHeldUntanglingSteps;
     arap.untangles_first_map = false;
   }
-  return lower(arap, options, monitor, mending, held_starts(arap, options, monitor));
+  auto minimum = lower(arap, options, monitor, mending, held_starts(arap, options, monitor));
+  pool_.give(std::move(near));
+  return minimum;
 }
 
 /// Local/global, and where asked for the removal of flips, the descent without them, and the removal of overlaps.
@@ -158,7 +164,8 @@ Result<Minimum> Editing::lower(const ArapProblem& arap, const FlattenOptions& op
 }
 
 void Editing::keep(Minimum minimum) {
-  uv_ = std::move(minimum.uv);
+  uv_.swap(minimum.uv);
+  pool_.give(std::move(minimum.uv));
   solved_.history = std::move(minimum.history);
   solved_.iterations = solved_.history.back().iteration;
   solved_.converged = minimum.converged;

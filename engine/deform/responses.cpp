@@ -4,8 +4,6 @@
 #include <cmath>
 #include <Eigen/Dense>
 
-#include "engine/solve/quasi_newton.hpp"
-
 namespace planish {
 namespace {
 
@@ -73,11 +71,11 @@ double Responses::follow(In<Vec2> held, Out<Vec2> uv) const {
     double left = 1;
     const std::vector<double> share = shares(held, second_order, left);
     if (!std::ranges::all_of(share, [](double s) { return std::abs(s) <= kMostShare; })) continue;
-    std::vector<Scaled> terms = {{1, uv}};
-    for (std::size_t k = 0; k < share.size(); ++k) terms.push_back({share[k], known_[k].map});
-    std::vector<Vec2> followed(uv.size());
-    combine(exec_, terms, followed);
-    std::ranges::copy(followed, uv.begin());
+    exec_.for_blocks(static_cast<Index>(uv.size()), kBlock, [&](Index, Range r) {
+      for (std::size_t k = 0; k < share.size(); ++k) {
+        for (Index v = r.begin; v < r.end; ++v) uv[v] += share[k] * known_[k].map[v];
+      }
+    });
     return left;
   }
   return 1;

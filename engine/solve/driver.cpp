@@ -1,6 +1,7 @@
 #include "engine/solve/driver.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "engine/solve/map_energy.hpp"
 #include "engine/solve/newton.hpp"
@@ -49,7 +50,15 @@ class Iteration {
         problem_(problem),
         local_(problem.local ? *problem.local : own_local_.emplace(exec, problem.energy)),
         measure_(exec, problem.energy),
-        quasi_newton_(exec, kQuasiNewtonMemory) {}
+        pool_(problem.pool ? *problem.pool : own_pool_),
+        quasi_newton_(exec, kQuasiNewtonMemory, pool_) {
+    for (std::vector<Vec2>* column : columns()) *column = pool_.take(0);
+  }
+  ~Iteration() {
+    for (std::vector<Vec2>* column : columns()) pool_.give(std::move(*column));
+  }
+  Iteration(const Iteration&) = delete;
+  Iteration& operator=(const Iteration&) = delete;
 
   /// The first global step, for the first rotations; then all directions are free to turn.
   Result<void> start() {
@@ -93,9 +102,11 @@ class Iteration {
     dof_ = &dof;
     x_.resize(dof.size());
     dof.rebase(x_);
-    for (std::vector<Vec2>* column :
-         {&force_, &descent_, &direction_, &x_before_, &force_before_, &descent_before_})
-      column->resize(dof.size());
+    for (std::vector<Vec2>* column : columns()) {
+      if (column == &x_) continue;
+      column->resize(dof.size());  // entries of vertices are all written before they are read
+      std::fill(column->begin() + dof.num_vertices(), column->end(), Vec2{});
+    }
     return refresh();
   }
 
@@ -183,6 +194,9 @@ class Iteration {
   }
 
  private:
+  std::array<std::vector<Vec2>*, 7> columns() {
+    return {&x_, &force_, &descent_, &direction_, &x_before_, &force_before_, &descent_before_};
+  }
   Out<Vec2> vertices(std::vector<Vec2>& x) const { return Out<Vec2>(x).first(dof_->num_vertices()); }
 
   double evaluate_at(std::vector<Vec2>& x, std::vector<Vec2>& force) {
@@ -225,6 +239,8 @@ class Iteration {
   std::optional<LocalPhase> own_local_;
   LocalPhase& local_;
   MapEnergy measure_;
+  VectorPool own_pool_;
+  VectorPool& pool_;
   QuasiNewton quasi_newton_;
   DofMap* dof_ = nullptr;
   std::optional<BorderedPhase> bordered_;

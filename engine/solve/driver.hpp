@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/constraints/dof_map.hpp"
+#include "engine/exec/vector_pool.hpp"
 #include "engine/model/error.hpp"
 #include "engine/model/flattening.hpp"
 #include "engine/model/monitor.hpp"
@@ -44,6 +45,7 @@ struct ArapProblem {
   const BoundaryBarrier* barrier =
       nullptr;                  ///< where flip-free steps must not make the boundary cross itself
   LocalPhase* local = nullptr;  ///< of that energy, where one is kept from solve to solve
+  VectorPool* pool = nullptr;   ///< where memory is
   std::vector<std::uint8_t> turns_freely = {};  ///< per component: 1 where nothing says how it is turned
   bool constrained = false;
   bool newton_fits = true;  ///< memory allows Newton steps

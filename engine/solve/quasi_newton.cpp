@@ -21,26 +21,28 @@ void combine(const Exec& exec, const std::vector<Scaled>& terms, Out<Vec2> sum) 
   });
 }
 
-QuasiNewton::Pair QuasiNewton::take_storage() {
-  if (pairs_.size() < static_cast<std::size_t>(memory_)) return {};
-  Pair oldest = std::move(pairs_.front());
-  pairs_.erase(pairs_.begin());
-  for (Pair& pair : pairs_) {
-    pair.steps_with.erase(pair.steps_with.begin());
-    pair.solved_with.erase(pair.solved_with.begin());
+/// Its memory back to the pool.
+void QuasiNewton::drop(std::size_t dropped) {
+  pool_.give(std::move(pairs_[dropped].step));
+  pool_.give(std::move(pairs_[dropped].solved));
+  pairs_.erase(pairs_.begin() + static_cast<std::ptrdiff_t>(dropped));
+  for (std::size_t i = dropped; i < pairs_.size(); ++i) {
+    const auto at = static_cast<std::ptrdiff_t>(dropped);
+    pairs_[i].steps_with.erase(pairs_[i].steps_with.begin() + at);
+    pairs_[i].solved_with.erase(pairs_[i].solved_with.begin() + at);
   }
-  oldest.steps_with.clear();
-  oldest.solved_with.clear();
-  return oldest;
+}
+
+void QuasiNewton::forget() {
+  while (!pairs_.empty()) drop(pairs_.size() - 1);
 }
 
 void QuasiNewton::learn(const ForcePoint& before, const ForcePoint& now) {
   if (memory_ == 0) return;
   const auto n = static_cast<Index>(now.position.size());
-  pairs_.push_back(take_storage());
+  if (pairs_.size() == static_cast<std::size_t>(memory_)) drop(0);
+  pairs_.push_back({.step = pool_.take(n), .solved = pool_.take(n)});
   Pair& added = pairs_.back();
-  added.step.resize(n);
-  added.solved.resize(n);
 
   // All in one sweep: the new pair, its products with the force before, and all pairs' with the force now.
   std::vector<std::pair<In<Vec2>, In<Vec2>>> factors = {{added.step, before.force},
@@ -73,7 +75,7 @@ void QuasiNewton::learn(const ForcePoint& before, const ForcePoint& now) {
     pairs_[k].step_force = step_force;
     pairs_[k].solved_force = solved_force;
   }
-  if (!(added.curvature() > 0)) pairs_.pop_back();
+  if (!(added.curvature() > 0)) drop(pairs_.size() - 1);
 }
 
 double QuasiNewton::solved_product(std::size_t i, std::size_t j) const {

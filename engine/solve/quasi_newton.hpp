@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/exec/parallel.hpp"
+#include "engine/exec/vector_pool.hpp"
 
 namespace planish {
 
@@ -31,8 +32,11 @@ struct ForcePoint {
 /// Wang and Zhou 2014.
 class QuasiNewton {
  public:
-  /// memory: pairs kept, 0 for plain local/global.
-  QuasiNewton(const Exec& exec, int memory) : exec_(exec), memory_(memory) {}
+  /// memory: pairs kept, 0 for plain local/global.   pool: outlives this; pairs are taken from it, and given back
+  QuasiNewton(const Exec& exec, int memory, VectorPool& pool) : exec_(exec), memory_(memory), pool_(pool) {}
+  ~QuasiNewton() { forget(); }
+  QuasiNewton(const QuasiNewton&) = delete;
+  QuasiNewton& operator=(const QuasiNewton&) = delete;
 
   /// Learns from the step between two points; `before` is the one learnt last, if any. A step without positive
   /// curvature s . y teaches nothing.
@@ -42,22 +46,23 @@ class QuasiNewton {
   /// Returns f . direction.
   double direction(In<Vec2> d, double force_times_d, Out<Vec2> direction) const;
 
-  void forget() { pairs_.clear(); }
+  void forget();
 
  private:
   struct Pair {
     std::vector<Vec2> step, solved;           // s and L^-1 y
     double step_force = 0, solved_force = 0;  // products of these with the newest force
-    std::vector<double> steps_with,
-        solved_with;  // s_i . y and L^-1 y_i . y of the older pairs i, then its own
+    std::vector<double> steps_with = {},
+                        solved_with = {};  // s_i . y and L^-1 y_i . y of the older pairs i, then its own
     double curvature() const { return steps_with.back(); }
   };
 
   double solved_product(std::size_t i, std::size_t j) const;
-  Pair take_storage();
+  void drop(std::size_t pair);
 
   const Exec& exec_;
   int memory_;
+  VectorPool& pool_;
   std::vector<Pair> pairs_;  // oldest first
 };
 

@@ -94,6 +94,48 @@ TEST_CASE("edit: a pin carried over a line is where it was put, whatever had to 
     CHECK(outcome.residual < 1e-9);
 }
 
+TEST_CASE(
+    "edit: lines go where a fresh editor puts them, whether the pin that moves lies beside them, on one, or "
+    "alone") {
+  const Mesh mesh = shapes::height_field(21, shapes::flat, 0);
+  std::vector<Vec2> map;
+  for (const Vec3 p : mesh.position) map.push_back({p.x, p.y});
+  std::vector<Feature> features = {{.name = "row"}};
+  for (Index k = 3; k < 18; ++k) features[0].vertex.push_back(5 * 21 + k);
+  ConstraintSet set;
+  LineConstraint line;
+  line.feature = "row";
+  set.features.push_back({.name = "row", .source = VertexSource{.vertex = features[0].vertex}});
+  set.constraints.push_back({.name = "line", .type = "line", .rule = line});
+  set.constraints.push_back({.name = "pins", .type = "pin", .rule = PinConstraint{}});
+  const Vec2 by{0.013, 0.008};
+  const Index on_line = 5 * 21 + 3, beside = 12 * 21 + 10;
+  for (const std::vector<Index>& pinned :
+       {std::vector<Index>{beside}, {beside, 2, 437}, {on_line, 2, 437}, {on_line}, {beside, on_line}}) {
+    auto& pins = std::get<PinConstraint>(set.constraints.back().rule);
+    pins.vertex = pinned;
+    pins.uv.clear();
+    for (const Index v : pinned) pins.uv.push_back(map[v]);
+    const auto begun = [&] {
+      auto editor = MapEditor::begin(mesh.surface(), map);
+      REQUIRE(editor.has_value());
+      REQUIRE(editor->constrain({.set = &set, .features = &features}).has_value());
+      REQUIRE(editor->solve(kExact).has_value());
+      return std::move(*editor);
+    };
+    CAPTURE(pinned.size());
+    CAPTURE(pinned[0]);
+    MapEditor editor = begun();
+    for (int move = 1; move <= 2; ++move) {
+      pins.uv[0] += by;
+      REQUIRE(editor.move_pin(pinned[0], pins.uv[0]).has_value());
+      REQUIRE(editor.solve(kExact).has_value());
+      const MapEditor fresh = begun();
+      CHECK(farthest(editor.uv(), fresh.uv()) < 1e-6);
+    }
+  }
+}
+
 TEST_CASE("edit: a given map without flips is where the steps begin") {
   const Scene scene;
   std::vector<Vec2> sheared = scene.map;

@@ -36,7 +36,8 @@ TEST_CASE("quasi-Newton: the direction is that of the inverse Hessian formed by 
   };
   const Exec exec(2);
   for (const int count : {0, 1, 2, 3, 5}) {  // more pairs than the memory of 3: the oldest are forgotten
-    QuasiNewton quasi_newton(exec, 3);
+    VectorPool pool;
+    QuasiNewton quasi_newton(exec, 3, pool);
     std::vector<std::pair<Eigen::VectorXd, Eigen::VectorXd>> pairs;
     Eigen::VectorXd position = random_vector();  // force: hessian * position
     for (int k = 0; k < count; ++k) {
@@ -70,7 +71,8 @@ TEST_CASE("quasi-Newton: the direction is that of the inverse Hessian formed by 
 
 TEST_CASE("quasi-Newton: a step without positive curvature is not learnt from") {
   const Exec exec(1);
-  QuasiNewton quasi_newton(exec, 3);
+  VectorPool pool;
+  QuasiNewton quasi_newton(exec, 3, pool);
   const std::vector<Vec2> p(kSize), q(kSize, {1, 0}), f(kSize), g(kSize, {-1, 0}), d(kSize, {0, 2});
   quasi_newton.learn({p, f, f}, {q, g, d});
   std::vector<Vec2> direction(kSize);
