@@ -1,7 +1,7 @@
 // One piece of work on one thread, for instructions to be counted: instructions.py runs it under callgrind, which collects
 // inside planish_gate() alone.
 //
-// usage: gate order|analyse|factor|solve|local|read MESH
+// usage: gate order|analyse|factor|solve|round|solve_rounded|local|read MESH
 #include <cstdio>
 #include <cstring>
 
@@ -33,6 +33,8 @@ void count_solver(const char* what, const Exec& exec, const Workpiece& piece) {
   if (!std::strcmp(what, "factor"))
     return planish_gate([&] { require(global->refactor(exec, laplacian).has_value(), "refactor"); });
   std::vector<Vec2> x(laplacian.size(), Vec2{1, -2});
+  if (!std::strcmp(what, "round")) return planish_gate([&] { global->round(exec); });
+  if (!std::strcmp(what, "solve_rounded")) global->round(exec);
   planish_gate([&] { global->solve(exec, x, x); });
 }
 

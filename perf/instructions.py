@@ -16,8 +16,8 @@ import tempfile
 BASELINE = pathlib.Path(__file__).with_name("instructions.json")
 ALLOWED = 1.05
 TRIANGLES = 12_000
-KERNELS = {"order": ".ply", "analyse": ".ply", "factor": ".ply", "solve": ".ply", "local": ".ply", "read ply": ".ply",
-           "read obj": ".obj"}
+KERNELS = {"order": ".ply", "analyse": ".ply", "factor": ".ply", "solve": ".ply", "round": ".ply",
+           "solve_rounded": ".ply", "local": ".ply", "read ply": ".ply", "read obj": ".obj"}
 
 
 def instructions(command, toggle):
@@ -69,7 +69,7 @@ def main():
     worse = []
     for key, value in counts.items():
         ratio = value / baseline["instructions"][key]
-        print(f"{key:10} {value:14,d}  {100 * (ratio - 1):+6.2f} %")
+        print(f"{key:13} {value:14,d}  {100 * (ratio - 1):+6.2f} %")
         if ratio > ALLOWED:
             worse.append(key)
     if worse:
