@@ -37,7 +37,7 @@ bool promises_long_way(const std::vector<Iterate>& history, double tolerance) {
 /// A turn of a body by more makes the metric's border stale, radians.
 constexpr double kStaleTurn = 0.15;
 
-/// From so many vertices on solves are bound by memory, and read the factor in single precision.
+/// From so many vertices on reading the factor is most of a step, and a rounded one is worth making.
 constexpr Index kLeastRounded = 50'000;
 
 /// A map with flips is near enough to the minimum for their removal: what is left is lost in what that changes.

@@ -53,7 +53,7 @@ struct WidePanels {
   }
 };
 
-/// The factor in single precision.
+/// The rounded factor.
 struct NarrowPanels {
   using Point = FloatVec2;
   using Number = float;
@@ -114,6 +114,7 @@ class Scratch {
     std::size_t space = room_.size() * sizeof(Number);
     aligned_ = static_cast<Number*>(std::align(64, size * sizeof(Number), begin, space));
   }
+  Scratch(Scratch&&) noexcept = default;
   operator Number*() { return aligned_; }
 
  private:
@@ -245,45 +246,39 @@ class SupernodeTree::Solve {
   SolveMemory<Point>& memory_;
 };
 
-namespace {
-
-/// Calls body with the panels there are.
+/// Calls body with a solve by the panels there are.
 template <class Body>
-auto with_panels(const SupernodalFactor& f, Body&& body) {
-  return f.strips.entry ? body(NarrowPanels{}) : body(WidePanels{});
+void SupernodeTree::with_solve(const Exec& exec, const SupernodalFactor& f, Body&& body) {
+  if (f.strips.entry) {
+    body(Solve<NarrowPanels>(exec, *this, f, narrow_));
+  } else {
+    body(Solve<WidePanels>(exec, *this, f, wide_));
+  }
 }
 
-}  // namespace
-
 void SupernodeTree::solve(const Exec& exec, const SupernodalFactor& f, In<Vec2> rhs, Out<Vec2> x) {
-  const auto run = [&](auto solve) {
+  with_solve(exec, f, [&](auto solve) {
     solve.load([&](Index k) { return rhs[f.permutation[k]]; });
     solve.forward();
     solve.backward();
     solve.store([&](Index k, Vec2 z) { x[f.permutation[k]] = z; });
-  };
-  f.strips.entry ? run(Solve<NarrowPanels>(exec, *this, f, narrow_))
-                 : run(Solve<WidePanels>(exec, *this, f, wide_));
+  });
 }
 
 void SupernodeTree::forward(const Exec& exec, const SupernodalFactor& f, In<Vec2> rhs, Out<Vec2> half) {
-  const auto run = [&](auto solve) {
+  with_solve(exec, f, [&](auto solve) {
     solve.load([&](Index k) { return rhs[f.permutation[k]]; });
     solve.forward();
     solve.store([&](Index k, Vec2 z) { half[k] = z; });
-  };
-  f.strips.entry ? run(Solve<NarrowPanels>(exec, *this, f, narrow_))
-                 : run(Solve<WidePanels>(exec, *this, f, wide_));
+  });
 }
 
 void SupernodeTree::backward(const Exec& exec, const SupernodalFactor& f, In<Vec2> half, Out<Vec2> x) {
-  const auto run = [&](auto solve) {
+  with_solve(exec, f, [&](auto solve) {
     solve.load([&](Index k) { return half[k]; });
     solve.backward();
     solve.store([&](Index k, Vec2 z) { x[f.permutation[k]] = z; });
-  };
-  f.strips.entry ? run(Solve<NarrowPanels>(exec, *this, f, narrow_))
-                 : run(Solve<WidePanels>(exec, *this, f, wide_));
+  });
 }
 
 /// The supernodes that hold the rows, and all above them, ascending.
@@ -304,24 +299,29 @@ std::vector<Index> SupernodeTree::reach(const SupernodalFactor& f, In<Index> row
   return all;
 }
 
-std::vector<SparseColumn> SupernodeTree::forward(const SupernodalFactor& f, In<SparseColumn> rhs) const {
-  return with_panels(f, [&]<class Panels>(Panels) {
-    std::vector<typename Panels::Point> y(f.permutation.size());
-    Scratch<typename Panels::Number> scratch(Panels::scratch_size(most_rows_));
-    std::vector<SparseColumn> result(rhs.size());
-    for (std::size_t k = 0; k < rhs.size(); ++k) {
-      for (std::size_t i = 0; i < rhs[k].row.size(); ++i) set(y[rhs[k].row[i]], rhs[k].value[i]);
-      for (const Index s : reach(f, rhs[k].row)) {
-        Panels::forward(f, s, f.rows(s) - f.columns(s), y.data(), scratch);
-        for (Index j = f.super[s]; j < f.super[s + 1]; ++j) {
-          result[k].row.push_back(j);
-          result[k].value.push_back(wide(y[j]));
-          y[j] = {};
-        }
+/// One after the other in one workspace, which is zeros in between.
+template <class Panels>
+std::vector<SparseColumn> SupernodeTree::forward_sparse(const SupernodalFactor& f,
+                                                        In<SparseColumn> rhs) const {
+  std::vector<typename Panels::Point> y(f.permutation.size());
+  Scratch<typename Panels::Number> scratch(Panels::scratch_size(most_rows_));
+  std::vector<SparseColumn> result(rhs.size());
+  for (std::size_t k = 0; k < rhs.size(); ++k) {
+    for (std::size_t i = 0; i < rhs[k].row.size(); ++i) set(y[rhs[k].row[i]], rhs[k].value[i]);
+    for (const Index s : reach(f, rhs[k].row)) {
+      Panels::forward(f, s, f.rows(s) - f.columns(s), y.data(), scratch);
+      for (Index j = f.super[s]; j < f.super[s + 1]; ++j) {
+        result[k].row.push_back(j);
+        result[k].value.push_back(wide(y[j]));
+        y[j] = {};
       }
     }
-    return result;
-  });
+  }
+  return result;
+}
+
+std::vector<SparseColumn> SupernodeTree::forward(const SupernodalFactor& f, In<SparseColumn> rhs) const {
+  return f.strips.entry ? forward_sparse<NarrowPanels>(f, rhs) : forward_sparse<WidePanels>(f, rhs);
 }
 
 }  // namespace planish

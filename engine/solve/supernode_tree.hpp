@@ -65,6 +65,10 @@ class SupernodeTree {
  private:
   template <class Panels>
   class Solve;
+  template <class Body>
+  void with_solve(const Exec& exec, const SupernodalFactor& factor, Body&& body);
+  template <class Panels>
+  std::vector<SparseColumn> forward_sparse(const SupernodalFactor& factor, In<SparseColumn> rhs) const;
   std::vector<Index> reach(const SupernodalFactor& factor, In<Index> row) const;
 
   std::vector<Range> subtree_;  ///< contiguous supernodes of each task
