@@ -32,15 +32,15 @@ class MapEditor {
   Result<void> constrain(const Constraints& constraints, const Monitor& monitor = {});
 
   /// Moves a pin that the constraints have.   vertex: number in the pins;  uv: mesh units
-  /// Fails: BadUsage (no such pin); ConstraintsConflict.   Cost: O(V), no factorization.
+  /// Fails: BadUsage (no such pin, no place); ConstraintsConflict.   Cost: O(V), no factorization.
   Result<void> move_pin(Index vertex, Vec2 uv);
 
   /// From where the map is to the minimum.
   /// Fails: BadUsage; ConstraintsConflict (a free scale below 1e-3); Cancelled, OutOfMemory, FactorizationFailed; and what
   /// the sink fails with. After Cancelled the map is the one before.
   /// Cost: a solve and a local phase an iteration; after moves of pins half as many as at first, once two moves taught how the
-  /// map follows, and a third once five did, for which 16 bytes a vertex of each of the last six are kept; where flips
-  /// appear, that of remove_flips() and polish().
+  /// map follows, and a third once five did, for which 16 bytes a vertex of each of the last six are kept, as the memory
+  /// of a solve is for the next, some 300 bytes a vertex; where flips appear, that of remove_flips() and polish().
   Result<void> solve(const SolveOptions& options = {}, const Monitor& monitor = {},
                      const StepSink& sink = {});
 

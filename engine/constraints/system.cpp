@@ -160,12 +160,13 @@ Result<void> ConstraintSystem::mirror(Index body) {
 }
 
 Result<bool> ConstraintSystem::move_pin(Index vertex, Vec2 uv) {
+  const std::vector<Pin> before = compiled_.pins;
   bool found = false, beside = true;
   for (Pin& pin : compiled_.pins) {
     if (view_.origin_of(rest_.mesh->vertex_origin[pin.vertex]) != vertex) continue;
     pin.uv = uv;
     found = true;
-    for (const Owner& owner : owners_) beside = beside && owner.vertex != pin.vertex;
+    beside = beside && is_beside(pin.vertex);
   }
   if (!found) return fail(ErrorCode::BadUsage, "vertex " + std::to_string(vertex) + " has no pin");
   if (beside && orientation_.parted.empty()) {
@@ -173,7 +174,25 @@ Result<bool> ConstraintSystem::move_pin(Index vertex, Vec2 uv) {
     return false;
   }
   orientation_.parted.clear();
-  if (auto settled = settle(); !settled) return fail(settled.error());
+  if (auto settled = settle(); !settled) {
+    compiled_.pins = before;
+    if (auto again = settle(); !again) return fail(again.error());
+    return fail(settled.error());
+  }
+  return true;
+}
+
+/// No feature's vertex, and every triangle around has a corner that follows.
+bool ConstraintSystem::is_beside(Index vertex) const {
+  for (const Owner& owner : owners_) {
+    if (owner.vertex == vertex) return false;
+  }
+  const Topology& topology = *rest_.topology;
+  const In<Index> corner_vertex = rest_.mesh->corner_vertex;
+  for (const Index c : slice(In<Index>(topology.star_corner), topology.stars().group(vertex))) {
+    const Index next = corner_vertex[next_corner(c)], previous = corner_vertex[previous_corner(c)];
+    if (nodes_.node[next] != next && nodes_.node[previous] != previous) return false;
+  }
   return true;
 }
 

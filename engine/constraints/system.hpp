@@ -31,7 +31,8 @@ class ConstraintSystem {
   /// The same without pins, oriented alike: where the map would lie by itself.
   Result<std::unique_ptr<ConstraintSystem>> without_pins() const;
   const std::vector<Pin>& pins() const { return compiled_.pins; }
-  /// To another place. Returns whether directions are to be found anew: not for a pin beside all features.
+  /// To another place. Returns whether features and directions are to be found anew: not for a pin that has only free
+  /// vertices around it, where no joints were parted. What fails leaves the pin where it was.
   ///   vertex: as pins name it;  uv: units of the ordered mesh
   /// Fails: BadUsage (no such pin); ConstraintsConflict (pins that their shape cannot take).
   Result<bool> move_pin(Index vertex, Vec2 uv);
@@ -74,6 +75,7 @@ class ConstraintSystem {
   ConstraintSystem(const RestSurface& rest, const ConstraintView& view, In<Index> vertex_component)
       : rest_(rest), view_(view), vertex_component_(vertex_component) {}
   Result<void> settle();
+  bool is_beside(Index vertex) const;
   void find_nodes();  ///< where pins are
   /// Tries a step; where constraints contradict one another, again with a template turned round whose way the surface
   /// leaves open. The first contradiction where no single turn helps.

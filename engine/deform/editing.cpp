@@ -1,6 +1,7 @@
 #include "engine/deform/editing.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/deform/aligned_map.hpp"
 #include "engine/flatten_steps.hpp"
@@ -60,6 +61,7 @@ Result<void> Editing::constrain(const Constraints& constraints, const Monitor& m
 Result<void> Editing::compile(const Constraints& constraints, const Monitor& monitor) {
   system_.reset();
   placed_.reset();
+  laid_.clear();
   responses_.forget();
   set_ = constraints.set == nullptr ? ConstraintSet{} : *constraints.set;
   features_ = features_in_order(mesh(), constraints.features);
@@ -84,6 +86,9 @@ Result<std::unique_ptr<ConstraintSystem>> Editing::compiled_system(const Monitor
 
 Result<void> Editing::move_pin(Index vertex, Vec2 uv) {
   if (!system_) return fail(ErrorCode::BadUsage, "there are no constraints, so no pin to move");
+  if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
+    return fail(ErrorCode::BadUsage,
+                "vertex " + std::to_string(vertex) + " cannot be moved to what is no place");
   auto moved = system_->move_pin(vertex, (1 / mesh().unit) * uv);
   if (!moved) return fail(moved.error());
   for (Constraint& constraint : set_.constraints) {
@@ -106,10 +111,11 @@ bool Editing::keeps_placed() const {
 Result<void> Editing::place() {
   release_ = Release::None;
   anew_.reset();
-  std::vector<Placement> motion(topology().num_components);
+  laid_.clear();
+  std::vector<Placement> laid, motion(topology().num_components);
   std::vector<Vec2> map = given_.uv;
   if (system_) {
-    laid_ = onto_pins(system_->pins(), piece_.component, topology().num_components, map);
+    laid = onto_pins(system_->pins(), piece_.component, topology().num_components, map);
     auto aligned = align_map(piece_, *system_, map);
     if (!aligned) return fail(aligned.error());
     motion = std::move(*aligned);
@@ -121,6 +127,7 @@ Result<void> Editing::place() {
   align(std::move(motion));
   aligned_ = std::move(map);
   find_held();
+  laid_ = std::move(laid);
   return {};
 }
 

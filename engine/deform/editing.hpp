@@ -126,7 +126,7 @@ class Editing {
   std::unique_ptr<ConstraintSystem> system_;  // none without constraints
 
   std::vector<Vec2> aligned_;      // [V] the given map, components moved as pins and directions ask
-  std::vector<Placement> laid_;    // what of it pins alone ask for
+  std::vector<Placement> laid_;    // what of it pins alone ask for; none where nothing is placed
   std::vector<Placement> motion_;  // by which they were, per component
   std::optional<PlacedFeatures> placed_;
   NodeMap nodes_;                           // all feature vertices and pins held

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -27,8 +28,13 @@ class VectorPool {
     std::copy(of.begin(), of.end(), taken.begin());
     return taken;
   }
-  void give(std::vector<Vec2>&& used) {
-    if (used.capacity() > 0) free_.push_back(std::move(used));
+  /// Without room to note it down it is freed.
+  void give(std::vector<Vec2>&& used) noexcept {
+    try {
+      if (used.capacity() > 0) free_.push_back(std::move(used));
+    } catch (const std::bad_alloc&) {
+      used = {};
+    }
   }
 
  private:

@@ -52,7 +52,7 @@ class Iteration {
         measure_(exec, problem.energy),
         pool_(problem.pool ? *problem.pool : own_pool_),
         quasi_newton_(exec, kQuasiNewtonMemory, pool_) {
-    for (std::vector<Vec2>* column : columns()) *column = pool_.take(0);
+    for (std::vector<Vec2>* column : columns()) *column = pool_.take(problem.dof->size());
   }
   ~Iteration() {
     for (std::vector<Vec2>* column : columns()) pool_.give(std::move(*column));

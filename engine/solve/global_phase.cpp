@@ -30,10 +30,15 @@ class Strips {
 
   bool empty() const { return begin_.empty(); }
 
-  void make(const CholeskyAnalysis& a, Range supernodes, const double* value) {
-    std::vector<double> scratch;
+  /// Numbers that make() works with.
+  static Index scratch_size(const CholeskyAnalysis& a) {
+    Index most = 0;
+    for (Index s = 0; s < a.num_supernodes(); ++s) most = std::max(most, a.rows(s));
+    return most + kStripRows;
+  }
+
+  void make(const CholeskyAnalysis& a, Range supernodes, const double* value, Out<double> scratch) {
     for (Index s = supernodes.begin; s < supernodes.end; ++s) {
-      scratch.resize(std::max<std::size_t>(scratch.size(), a.rows(s) + kStripRows));
       const StripColumns<float> column{scale_.data(), diagonal_.data(), inverse_.data()};
       make_strips({a.columns(s), a.rows(s), value + a.value_begin[s]}, entry_.data() + begin_[s],
                   column.from(a.super[s]), scratch.data());
@@ -127,20 +132,24 @@ void GlobalPhase::round(const Exec& exec) {
   Factor& f = *factor_;
   if (is_rounded()) return;
   const CholeskyAnalysis& a = f.analysis;
-  f.strips = Strips(a);
+  Strips strips(a);
   constexpr Offset kPart = 1 << 20;  // values
   std::vector<Index> begin = {0};
   for (Index s = 1; s <= a.num_supernodes(); ++s) {
     if (s == a.num_supernodes() || a.value_begin[s + 1] - a.value_begin[begin.back()] > kPart)
       begin.push_back(s);
   }
-  exec.for_tasks(static_cast<Index>(begin.size()) - 1, [&](Index part) {
+  const auto num_parts = static_cast<Index>(begin.size()) - 1;
+  std::vector<std::vector<double>> scratch(num_parts, std::vector<double>(strips.scratch_size(a)));
+  // Nothing is allocated from here on, where the old values go.
+  exec.for_tasks(num_parts, [&](Index part) {
     const Range supernodes{begin[part], begin[part + 1]};
-    f.strips.make(a, supernodes, f.value.data());
+    strips.make(a, supernodes, f.value.data(), scratch[part]);
     // Both precisions are never there at once.
     f.value.discard(a.value_begin[supernodes.begin], a.value_begin[supernodes.end]);
   });
   f.value = {};
+  f.strips = std::move(strips);
 }
 
 bool GlobalPhase::is_rounded() const { return !factor_->strips.empty(); }

@@ -41,8 +41,8 @@ class GlobalPhase {
   GlobalPhase& operator=(GlobalPhase&&) noexcept;
   ~GlobalPhase();
 
-  /// x = matrix^-1 rhs for both components.   rhs, x [n], may be the same array. Solves share memory that the first one takes:
-  /// one at a time.   Cost: reads the factor twice.
+  /// x = matrix^-1 rhs for both components.   rhs, x [n], may be the same array. Solves and their halves share memory that the
+  /// first one takes: one at a time.   Cost: reads the factor twice.
   void solve(const Exec& exec, In<Vec2> rhs, Out<Vec2> x) const;
 
   /// The two halves of a solve, for systems that this one is a part of: half = L^-1 P rhs, x = P^T L^-T half.

@@ -250,6 +250,7 @@ class SupernodeTree::Solve {
 template <class Body>
 void SupernodeTree::with_solve(const Exec& exec, const SupernodalFactor& f, Body&& body) {
   if (f.strips.entry) {
+    wide_ = {};
     body(Solve<NarrowPanels>(exec, *this, f, narrow_));
   } else {
     body(Solve<WidePanels>(exec, *this, f, wide_));

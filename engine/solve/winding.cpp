@@ -17,6 +17,7 @@ int crossing(Vec2 centre, Vec2 a, Vec2 b) {
 /// Each triangle of the star goes on where the one before ends, all around. Those of a patch's rim are in any order.
 bool is_interior(const ArapEnergy& mesh, Index v) {
   const In<Index> star = slice(mesh.star_corner, mesh.stars.group(v));
+  if (star.empty()) return false;
   for (std::size_t k = 0; k < star.size(); ++k) {
     const Index before = star[k > 0 ? k - 1 : star.size() - 1];
     if (mesh.corner_vertex[next_corner(star[k])] != mesh.corner_vertex[previous_corner(before)]) return false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "kernels/base/sums.hpp"
 
@@ -87,12 +88,12 @@ PLANISH_INLINE double round_column(In<double> g, std::int16_t* entry, Index stri
   constexpr double kMost = 32767;
   double most = 0;
   for (const double x : g) most = std::max(most, std::abs(x));
-  scale = static_cast<float>(most / kMost);
+  scale = most < kMost * std::numeric_limits<float>::min() ? 0 : static_cast<float>(most / kMost);
   const double unit = scale, inverse = scale > 0 ? 1 / unit : 0;
   std::array<double, kStripRows> lost{};
   for (std::size_t i = 0; i < g.size(); i += kStripRows, entry += stride) {
     for (std::size_t k = 0; k < kStripRows; ++k) {
-      const double q = std::min(std::floor(g[i + k] * inverse + 0.5), kMost);
+      const double q = std::clamp(std::floor(g[i + k] * inverse + 0.5), -kMost, kMost);
       lost[k] += g[i + k] - q * unit;
       entry[k] = static_cast<std::int16_t>(static_cast<std::int32_t>(q));
     }

@@ -51,18 +51,18 @@ PLANISH_INLINE Rows points_of(Rows rows) {
   return __builtin_shufflevector(rows, rows, 0, 8, 1, 9, 2, 10, 3, 11, 4, 12, 5, 13, 6, 14, 7, 15);
 }
 
-/// The first `count` of eight rows, the others 0.
-PLANISH_INLINE Rows first_of(Rows rows, Index count) {
+/// The first `count` of eight rows of one, the others of the other.
+PLANISH_INLINE Rows blend(Index count, Rows first, Rows rest) {
   static constexpr float kOnes[2 * kStripRows] = {1, 1, 1, 1, 1, 1, 1, 1};
-  return rows * twice(kOnes + kStripRows - count);
+  return twice(kOnes + kStripRows - count) != Rows{} ? first : rest;
 }
 
 /// The first `columns` rows times a number of each.
 PLANISH_INLINE void scale_first(float* scratch, Index columns, const float* factor) {
   for (Index k = 0; k < num_groups(columns); ++k) {
     const Rows rows = rows_at(scratch, k);
-    const Rows change = rows * twice(factor + kStripRows * k) - rows;
-    rows_at(scratch, k) = rows + first_of(change, std::min(columns - kStripRows * k, kStripRows));
+    rows_at(scratch, k) =
+        blend(std::min(columns - kStripRows * k, kStripRows), rows * twice(factor + kStripRows * k), rows);
   }
 }
 
@@ -111,7 +111,7 @@ PLANISH_INLINE void backward_strip(const std::int16_t* g, const StripColumns<con
       __builtin_shufflevector(near, far, 4, 5, 6, 7, 20, 21, 22, 23, 12, 13, 14, 15, 28, 29, 30, 31);
   const Rows before = rows_at(scratch, 0);
   const Rows solved = before * twice(column.diagonal) + products * twice(column.scale);
-  rows_at(scratch, 0) = before + first_of(solved - before, W);
+  rows_at(scratch, 0) = blend(W, solved, before);
 }
 
 /// Calls strip(W) with the width as a constant.
@@ -133,7 +133,7 @@ void forward(const StripPanel& panel, const Index* row, Index inside, FloatVec2*
   const Index groups = num_groups(panel.rows), own = num_groups(panel.columns);
   for (Index k = 0; k < own; ++k) {
     const Index left = panel.columns - kStripRows * k;
-    rows_at(scratch, k) = first_of(gathered(y, row + kStripRows * k, left), std::min(left, kStripRows));
+    rows_at(scratch, k) = blend(std::min(left, kStripRows), gathered(y, row + kStripRows * k, left), Rows{});
   }
   for (Index k = own; k < groups; ++k) rows_at(scratch, k) = Rows{};
   const std::int16_t* g = panel.entry;

@@ -48,6 +48,11 @@ double farthest(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
   return most;
 }
 
+ErrorCode code(const Result<void>& failed) {
+  REQUIRE(!failed.has_value());
+  return failed.error().code;
+}
+
 }  // namespace
 
 TEST_CASE("edit: after moves of a pin the map is the one that a fresh editor finds") {
@@ -134,6 +139,30 @@ TEST_CASE(
       CHECK(farthest(editor.uv(), fresh.uv()) < 1e-6);
     }
   }
+}
+
+TEST_CASE(
+    "edit: a pin carried over the opposite side of its triangle, which two others hold, is refused and "
+    "stays") {
+  const Mesh mesh = shapes::height_field(9, shapes::flat, 0);
+  std::vector<Vec2> map;
+  for (const Vec3 p : mesh.position) map.push_back({p.x, p.y});
+  const Index* corner = &mesh.corner_vertex[3 * 60];
+  PinConstraint pins{.vertex = {corner[0], corner[1], corner[2]}, .uv = {}};
+  for (const Index v : pins.vertex) pins.uv.push_back(map[v]);
+  ConstraintSet set;
+  set.constraints.push_back({.name = "pins", .type = "pin", .rule = pins});
+  auto editor = MapEditor::begin(mesh.surface(), map);
+  REQUIRE(editor.has_value());
+  REQUIRE(editor->constrain({.set = &set}).has_value());
+  REQUIRE(editor->solve().has_value());
+  const Vec2 opposite = pins.uv[1] + pins.uv[2] - pins.uv[0];
+  CHECK(code(editor->move_pin(pins.vertex[0], opposite)) == ErrorCode::ConstraintsConflict);
+  CHECK(code(editor->move_pin(pins.vertex[0], {kInfinity, 0})) == ErrorCode::BadUsage);
+  const Vec2 near = pins.uv[0] + 0.1 * (pins.uv[0] - opposite);
+  REQUIRE(editor->move_pin(pins.vertex[0], near).has_value());
+  REQUIRE(editor->solve().has_value());
+  CHECK(editor->uv()[pins.vertex[0]] == near);
 }
 
 TEST_CASE("edit: a given map without flips is where the steps begin") {
@@ -270,10 +299,6 @@ TEST_CASE("edit: steps on the way are free of flips where the map is, and their 
 TEST_CASE("edit: what has no meaning is refused, and the editor goes on") {
   Scene scene;
   MapEditor editor = scene.editor();
-  const auto code = [](const Result<void>& done) {
-    REQUIRE(!done.has_value());
-    return done.error().code;
-  };
   CHECK(code(editor.move_pin(scene.pins().vertex[0] + 1, {})) == ErrorCode::BadUsage);
   CHECK(code(editor.solve({.steps = 0})) == ErrorCode::BadUsage);
   CHECK(code(editor.solve({.tolerance = 0})) == ErrorCode::BadUsage);

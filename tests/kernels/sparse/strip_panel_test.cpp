@@ -25,7 +25,7 @@ struct Strips {
   Strips(Index num_columns, Index num_rows, shapes::Random& random)
       : value(num_columns * num_rows), columns(num_columns), rows(num_rows) {
     for (Index j = 0; j < columns; ++j) {
-      const double size = std::exp(4 * random.uniform());
+      const double size = std::exp(12 * random.uniform());
       for (Index i = j; i < rows; ++i) at(i, j) = i == j ? size : -size * random.uniform() / (rows - j);
     }
     entry.assign(strips_size(columns, rows), 99);
