@@ -1,7 +1,7 @@
 #include "engine/solve/driver.hpp"
 
 #include <algorithm>
-#include <array>
+#include <initializer_list>
 
 #include "engine/solve/map_energy.hpp"
 #include "engine/solve/newton.hpp"
@@ -51,11 +51,11 @@ class Iteration {
         local_(problem.local ? *problem.local : own_local_.emplace(exec, problem.energy)),
         measure_(exec, problem.energy),
         pool_(problem.pool ? *problem.pool : own_pool_),
-        quasi_newton_(exec, kQuasiNewtonMemory, pool_) {
-    for (std::vector<Vec2>* column : columns()) *column = pool_.take(problem.dof->size());
-  }
+        quasi_newton_(exec, kQuasiNewtonMemory, pool_) {}
   ~Iteration() {
-    for (std::vector<Vec2>* column : columns()) pool_.give(std::move(*column));
+    for (std::vector<Vec2>* column :
+         {&x_, &force_, &descent_, &direction_, &x_before_, &force_before_, &descent_before_})
+      pool_.give(std::move(*column));
   }
   Iteration(const Iteration&) = delete;
   Iteration& operator=(const Iteration&) = delete;
@@ -102,11 +102,7 @@ class Iteration {
     dof_ = &dof;
     x_.resize(dof.size());
     dof.rebase(x_);
-    for (std::vector<Vec2>* column : columns()) {
-      if (column == &x_) continue;
-      column->resize(dof.size());  // entries of vertices are all written before they are read
-      std::fill(column->begin() + dof.num_vertices(), column->end(), Vec2{});
-    }
+    make_room({&force_, &descent_, &x_before_});
     return refresh();
   }
 
@@ -146,6 +142,7 @@ class Iteration {
   /// One step along the quasi-Newton direction, or along the plain global step where that one fails to
   /// descend. False where not even that lowers the energy: rounding is reached.
   bool advance() {
+    make_room({&direction_, &force_before_, &descent_before_});
     const double slope = quasi_newton_.direction(descent_, force_times_descent_, direction_);
     if (!descend_along(direction_, slope)) {
       quasi_newton_.forget();
@@ -168,7 +165,10 @@ class Iteration {
     return prepared;
   }
 
-  bool advance_newton() { return descend_along(descent_, force_times_descent_); }
+  bool advance_newton() {
+    make_room({&force_before_});
+    return descend_along(descent_, force_times_descent_);
+  }
 
   /// Back to quasi-Newton steps, from the point where the Newton steps ended.
   void leave_newton() {
@@ -194,8 +194,13 @@ class Iteration {
   }
 
  private:
-  std::array<std::vector<Vec2>*, 7> columns() {
-    return {&x_, &force_, &descent_, &direction_, &x_before_, &force_before_, &descent_before_};
+  /// For those that are needed now: the first solve, with the factor in double, is where memory is short. Entries are all
+  /// written before they are read.
+  void make_room(std::initializer_list<std::vector<Vec2>*> columns) {
+    for (std::vector<Vec2>* column : columns) {
+      if (column->empty()) *column = pool_.take(dof_->size());
+      column->resize(dof_->size());
+    }
   }
   Out<Vec2> vertices(std::vector<Vec2>& x) const { return Out<Vec2>(x).first(dof_->num_vertices()); }
 
