@@ -184,8 +184,9 @@ Result<bool> ConstraintSystem::move_pin(Index vertex, Vec2 uv) {
 
 /// No feature's vertex, and every triangle around has a corner that follows.
 bool ConstraintSystem::is_beside(Index vertex) const {
-  for (const Owner& owner : owners_) {
-    if (owner.vertex == vertex) return false;
+  // Not the owners alone: a body that pins hold altogether yields its pinned vertices.
+  for (const Body& body : compiled_.bodies) {
+    if (std::find(body.vertex.begin(), body.vertex.end(), vertex) != body.vertex.end()) return false;
   }
   const Topology& topology = *rest_.topology;
   const In<Index> corner_vertex = rest_.mesh->corner_vertex;

@@ -2,17 +2,13 @@
 
 #include <algorithm>
 
+#include "engine/solve/winding.hpp"
+
 namespace planish {
 namespace {
 
 constexpr double kInside = 2;
 constexpr int kRings = 8;
-
-bool is_free_boundary(const ArapEnergy& mesh, Index v) {
-  if (mesh.fixed[v]) return false;
-  const In<Index> star = slice(mesh.star_corner, mesh.stars.group(v));
-  return mesh.corner_vertex[next_corner(star.front())] != mesh.corner_vertex[previous_corner(star.back())];
-}
 
 }  // namespace
 
@@ -21,7 +17,7 @@ std::vector<double> determinant_multiples(const ArapEnergy& mesh) {
   std::vector<int> ring(mesh.num_vertices(), kRings);
   std::vector<Index> reached;
   for (Index v = 0; v < mesh.num_vertices(); ++v) {
-    if (!is_free_boundary(mesh, v)) continue;
+    if (mesh.fixed[v] || is_interior(mesh, v)) continue;
     ring[v] = 0;
     reached.push_back(v);
   }

@@ -250,7 +250,7 @@ class SupernodeTree::Solve {
 template <class Body>
 void SupernodeTree::with_solve(const Exec& exec, const SupernodalFactor& f, Body&& body) {
   if (f.strips.entry) {
-    wide_ = {};
+    wide_ = {};  // not needed until the next factor
     body(Solve<NarrowPanels>(exec, *this, f, narrow_));
   } else {
     body(Solve<WidePanels>(exec, *this, f, wide_));

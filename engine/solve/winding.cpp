@@ -14,7 +14,11 @@ int crossing(Vec2 centre, Vec2 a, Vec2 b) {
   return side < 0 ? -1 : 0;
 }
 
-/// Each triangle of the star goes on where the one before ends, all around. Those of a patch's rim are in any order.
+/// Directions in [0, pi), such that opposite ones differ.
+bool is_upward(Vec2 from, Vec2 to) { return to.y > from.y || (to.y == from.y && to.x > from.x); }
+
+}  // namespace
+
 bool is_interior(const ArapEnergy& mesh, Index v) {
   const In<Index> star = slice(mesh.star_corner, mesh.stars.group(v));
   if (star.empty()) return false;
@@ -24,11 +28,6 @@ bool is_interior(const ArapEnergy& mesh, Index v) {
   }
   return true;
 }
-
-/// Directions in [0, pi), such that opposite ones differ.
-bool is_upward(Vec2 from, Vec2 to) { return to.y > from.y || (to.y == from.y && to.x > from.x); }
-
-}  // namespace
 
 Winding::Winding(const Exec& exec, const ArapEnergy& mesh)
     : exec_(exec),

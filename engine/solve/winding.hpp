@@ -8,6 +8,9 @@
 
 namespace planish {
 
+/// Whether each triangle of the star goes on where the one before ends, all around; those of a patch's rim are in any order.
+bool is_interior(const ArapEnergy& mesh, Index v);
+
 /// Tells maps that wind once around every interior vertex from others by their boundary alone. A horizontal line through a
 /// vertex passes through as many of its corners as the image winds half turns around it; and one through a corner of a positive
 /// triangle through exactly one of its three. So the triangles are as many as the half turns of all vertices together, and

@@ -14,7 +14,7 @@ inline constexpr Index kStripColumns = 8, kStripRows = 8;
 /// Three numbers a column beside its entries.
 template <class Number>
 struct StripColumns {
-  Number* scale = nullptr;     ///< of the entries: value / 32767 of the largest
+  Number* scale = nullptr;     ///< times an entry is its value; of the largest entry 32767
   Number* diagonal = nullptr;  ///< 1 but for what rounding took from the sum of the column's entries
   Number* inverse = nullptr;   ///< 1 / L_jj
 
@@ -40,7 +40,7 @@ struct StripPanel {
 Offset strips_size(Index columns, Index rows);
 
 ///   entry [strips_size] out;  column [columns] out, from the panel's first;  scratch [rows + 7]
-/// Cost: O(rows columns 8)
+/// Cost: O(8 rows columns)
 void make_strips(const Panel& panel, std::int16_t* entry, StripColumns<float> column, double* scratch);
 
 /// Floats of scratch for solves with such a panel.

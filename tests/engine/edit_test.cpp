@@ -48,6 +48,13 @@ double farthest(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
   return most;
 }
 
+/// A grid in the plane, and itself as its map.
+std::pair<Mesh, std::vector<Vec2>> flat_grid(Index side) {
+  std::pair<Mesh, std::vector<Vec2>> grid{shapes::height_field(side, shapes::flat, 0), {}};
+  for (const Vec3 p : grid.first.position) grid.second.push_back({p.x, p.y});
+  return grid;
+}
+
 ErrorCode code(const Result<void>& failed) {
   REQUIRE(!failed.has_value());
   return failed.error().code;
@@ -73,9 +80,7 @@ TEST_CASE("edit: after moves of a pin the map is the one that a fresh editor fin
 }
 
 TEST_CASE("edit: a pin carried over a line is where it was put, whatever had to be let go for it") {
-  const Mesh mesh = shapes::height_field(21, shapes::flat, 0);
-  std::vector<Vec2> map;
-  for (const Vec3 p : mesh.position) map.push_back({p.x, p.y});
+  const auto [mesh, map] = flat_grid(21);
   std::vector<Feature> features = {{.name = "row"}};
   for (Index k = 3; k < 18; ++k) features[0].vertex.push_back(5 * 21 + k);
   PinConstraint pins{.vertex = {6 * 21 + 10, 4 * 21 + 5, 4 * 21 + 15}, .uv = {}};
@@ -102,9 +107,7 @@ TEST_CASE("edit: a pin carried over a line is where it was put, whatever had to 
 TEST_CASE(
     "edit: lines go where a fresh editor puts them, whether the pin that moves lies beside them, on one, or "
     "alone") {
-  const Mesh mesh = shapes::height_field(21, shapes::flat, 0);
-  std::vector<Vec2> map;
-  for (const Vec3 p : mesh.position) map.push_back({p.x, p.y});
+  const auto [mesh, map] = flat_grid(21);
   std::vector<Feature> features = {{.name = "row"}};
   for (Index k = 3; k < 18; ++k) features[0].vertex.push_back(5 * 21 + k);
   ConstraintSet set;
@@ -144,9 +147,7 @@ TEST_CASE(
 TEST_CASE(
     "edit: a pin carried over the opposite side of its triangle, which two others hold, is refused and "
     "stays") {
-  const Mesh mesh = shapes::height_field(9, shapes::flat, 0);
-  std::vector<Vec2> map;
-  for (const Vec3 p : mesh.position) map.push_back({p.x, p.y});
+  const auto [mesh, map] = flat_grid(9);
   const Index* corner = &mesh.corner_vertex[3 * 60];
   PinConstraint pins{.vertex = {corner[0], corner[1], corner[2]}, .uv = {}};
   for (const Index v : pins.vertex) pins.uv.push_back(map[v]);
@@ -163,6 +164,31 @@ TEST_CASE(
   REQUIRE(editor->move_pin(pins.vertex[0], near).has_value());
   REQUIRE(editor->solve().has_value());
   CHECK(editor->uv()[pins.vertex[0]] == near);
+}
+
+TEST_CASE("edit: a pin that its feature cannot follow stays, and others can be moved") {
+  const auto [mesh, map] = flat_grid(21);
+  std::vector<Feature> features = {{.name = "row"}};
+  for (Index k = 3; k < 18; ++k) features[0].vertex.push_back(5 * 21 + k);
+  ConstraintSet set;
+  LineConstraint line;  // its lengths kept
+  line.feature = "row";
+  PinConstraint pins{.vertex = {5 * 21 + 3, 5 * 21 + 17, 12 * 21 + 10}, .uv = {}};
+  for (const Index v : pins.vertex) pins.uv.push_back(map[v]);
+  set.features.push_back({.name = "row", .source = VertexSource{.vertex = features[0].vertex}});
+  set.constraints.push_back({.name = "line", .type = "line", .rule = line});
+  set.constraints.push_back({.name = "pins", .type = "pin", .rule = pins});
+  auto editor = MapEditor::begin(mesh.surface(), map);
+  REQUIRE(editor.has_value());
+  REQUIRE(editor->constrain({.set = &set, .features = &features}).has_value());
+  REQUIRE(editor->solve(kExact).has_value());
+  CHECK(code(editor->move_pin(pins.vertex[0], pins.uv[0] - Vec2{0.1, 0})) == ErrorCode::ConstraintsConflict);
+  const Vec2 to = pins.uv[2] + Vec2{0.01, 0.02};
+  REQUIRE(editor->move_pin(pins.vertex[2], to).has_value());
+  REQUIRE(editor->solve(kExact).has_value());
+  CHECK(norm(editor->uv()[pins.vertex[0]] - pins.uv[0]) < 1e-12);
+  CHECK(norm(editor->uv()[pins.vertex[1]] - pins.uv[1]) < 1e-12);
+  CHECK(norm(editor->uv()[pins.vertex[2]] - to) < 1e-12);
 }
 
 TEST_CASE("edit: a given map without flips is where the steps begin") {
