@@ -136,10 +136,10 @@ class Polish {
   /// Clearly below what the whole was left with: else its next step, cut short by the worst patch, does their work. Where the
   /// boundary is kept apart patches hold it, and what moves along it is not theirs to relax: they soon help no more.
   Result<void> relax_patches() {
-    constexpr double kLoosest = 1e-4, kShare = 0.01;
+    constexpr double kLoosest = 1e-4, kShare = 0.01, kShareOfTolerance = 0.1;
     const bool apart = problem_.barrier != nullptr;
-    const double tolerance =
-        apart ? kLoosest : std::min(kLoosest, std::max(kShare * left_, options_.tolerance));
+    const double close = apart ? kLoosest : std::min(kLoosest, std::max(kShare * left_, options_.tolerance));
+    const double tolerance = std::max(close, kShareOfTolerance * options_.tolerance);
     std::vector<Vec2> x = map_.x();
     const double before = map_.energy();
     if (auto done = patches_.relax(density_, tolerance, before, monitor_, x); !done) return done;

@@ -18,6 +18,8 @@ constexpr double kMoreProjection = 3;
 constexpr double kLeastProjection = 1e-3;  // less is none
 /// Vertices that contacts couple without an elimination order of their own, over the root of their number.
 constexpr double kFewCoupled = 0.7;
+/// Steps that a kept factor is bent by; 5, 10 and 20 take the same time (perf/README.md).
+constexpr int kPairs = 10;
 // Of the diagonal, where rounding makes a projected Hessian of very unlike triangles indefinite.
 constexpr double kFirstLift = 1e-12, kMostLift = 1e-4;
 
@@ -83,6 +85,17 @@ ReducedUnknowns whole_unknowns(const DofMap& dof, In<Index> order, In<Index> ver
   }
   return unknowns;
 }
+
+/// Directions of the factor where steps began and now, and the steps that differences of them are known for.
+struct NewtonMap::Learnt {
+  explicit Learnt(const Exec& exec) : pairs(exec, kPairs, pool) {}
+  VectorPool pool;
+  QuasiNewton pairs;
+  std::vector<Vec2> descent, descent_before;
+};
+
+NewtonMap::NewtonMap(NewtonMap&&) noexcept = default;
+NewtonMap::~NewtonMap() = default;
 
 NewtonMap::NewtonMap(const Exec& exec, const ArapEnergy& mesh, ReducedUnknowns unknowns, DofMap* dof,
                      std::vector<Vec2> x)
@@ -166,10 +179,6 @@ double NewtonMap::first_reversal() const {
   return least;
 }
 
-double NewtonMap::gradient() const {
-  return std::sqrt(std::max(0.0, -2 * force_times_direction_) / std::max(energy_, 1e-14 * mesh_.area));
-}
-
 /// Tangents at the present place: what the steps since the last base have turned is turned here too; and their curvature.
 void NewtonMap::renew_moves() {
   if (!dof_ || !dof_->poses()) return;
@@ -245,8 +254,21 @@ Result<void> NewtonMap::prepare() {
     if (projection_ == 1) lift = std::max(kFirstLift, 100 * lift);
     projection_ = std::min(1.0, std::max(kLeastProjection, kMoreProjection * projection_));
   }
+  learnt_.reset();
   solve();
   return {};
+}
+
+void NewtonMap::prepare_again() {
+  if (!learnt_) {
+    learnt_ = std::make_unique<Learnt>(exec_);
+    learnt_->descent = direction_;
+  }
+  learnt_->descent.swap(learnt_->descent_before);
+  solve();
+  learnt_->descent = direction_;
+  learnt_->pairs.learn({x_trial_, force_trial_, learnt_->descent_before}, {x_, force_, learnt_->descent});
+  force_times_direction_ = learnt_->pairs.direction(learnt_->descent, force_times_direction_, direction_);
 }
 
 void NewtonMap::solve() {
@@ -273,6 +295,7 @@ void NewtonMap::solve() {
         direction_[at] = {r[k].x, 0};
       });
   force_times_direction_ = dot(exec_, force_, direction_);
+  gradient_ = std::sqrt(std::max(0.0, -2 * force_times_direction_) / std::max(energy_, 1e-14 * mesh_.area));
 }
 
 /// By less than the first flip and the first contact on the linearised path.
@@ -298,8 +321,9 @@ bool NewtonMap::advance() {
     if (keeps_positive() && !measure_.is_injective(vertices(x_trial_))) continue;
     x_.swap(x_trial_);
     force_.swap(force_trial_);
+    stride_ = {length_, (energy_ - trial) / (-slope * length_ * (1 - 0.5 * length_))};
     energy_ = trial;
-    if (keeps_positive()) projection_ = projection_ > kLeastProjection ? kLessProjection * projection_ : 0;
+    if (keeps_positive() && !learnt_) projection_ = projection_ > kLeastProjection ? kLessProjection * projection_ : 0;
     return true;
   }
   if (dof_ && dof_->expand(x_)) energy_ = evaluate_at(x_, force_);

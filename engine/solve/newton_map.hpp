@@ -1,6 +1,7 @@
 // A map that projected Newton steps move: the whole surface with its features, or a neighbourhood with its rim held.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -16,6 +17,8 @@ class NewtonMap {
   /// All arguments but the unknowns must outlive it.
   NewtonMap(const Exec& exec, const ArapEnergy& mesh, ReducedUnknowns unknowns, DofMap* dof,
             std::vector<Vec2> x);
+  NewtonMap(NewtonMap&&) noexcept;
+  ~NewtonMap();
 
   /// The energy that steps lower from now on; evaluated at the present place.
   void lower(const MapDensity& density);
@@ -34,13 +37,21 @@ class NewtonMap {
   /// below that a smaller share is tried next time where it was definite, and a larger one at once where it was not.
   /// Fails: OutOfMemory, FactorizationFailed (projected too: the map is degenerate).
   Result<void> prepare();
-  /// sqrt(g^T H^-1 g / E), of the direction prepared last (DESIGN 3.5).
-  double gradient() const;
+  /// Prepares a quasi-Newton direction with the factor that prepare() made, bent by what the steps since then have taught: at
+  /// the cost of a solve.   Pre: the last advance() has moved.
+  void prepare_again();
+  /// sqrt(g^T H^-1 g / E) with the matrix factored last (DESIGN 3.5), where the direction was prepared last.
+  double gradient() const { return gradient_; }
 
   /// Moves along the direction prepared last. With an energy that is infinite at flips: by less than the first flip of any
   /// triangle on the linearised path, and never to a place with a flipped triangle or an overwound vertex. False, and
   /// where it was, where no length lowers the energy.
   bool advance();
+  /// Of the last advance(): the share of the direction gone, and of what a quadratic energy would have fallen by.
+  struct Stride {
+    double length = 0, gain = 0;
+  };
+  const Stride& stride() const { return stride_; }
   /// From now on the boundary does not cross itself: its barrier is part of the energy. barrier: outlives the map, or null.
   void keep_apart(const BoundaryBarrier* barrier) { barrier_ = barrier; }
   /// Elimination orders found for what contacts couple; where they couple few vertices that of the unknowns serves.
@@ -67,6 +78,7 @@ class NewtonMap {
   double add_pull(In<Vec2> uv, Out<Vec2> force) const;
   void solve();
   void renew_moves();
+  struct Learnt;
 
   const Exec& exec_;
   ArapEnergy mesh_;
@@ -78,7 +90,9 @@ class NewtonMap {
   std::optional<GlobalPhase> global_;
   std::vector<Index> order_;  // the unknowns' own
   std::vector<Vec2> x_, force_, direction_, x_trial_, force_trial_;
-  double energy_ = 0, force_times_direction_ = 0, length_ = 1;
+  double energy_ = 0, force_times_direction_ = 0, length_ = 1, gradient_ = 0;
+  Stride stride_;
+  std::unique_ptr<Learnt> learnt_;  // since the factor was made; null: nothing yet
   double projection_ = 1;
   int orders_found_ = 0;
   std::vector<double> multiple_;  // [T] of det J, for ARAP

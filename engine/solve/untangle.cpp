@@ -14,6 +14,12 @@ constexpr double kStillFalling = 0.1;
 constexpr double kClearlyPositive = 1e-3;
 constexpr double kSettled = 1e-3;
 
+// A factor is kept after steps that go so far and gain so much; and after so many with it while the gradient falls at such a
+// rate. A step with it costs a sixth of a factorization where that is what takes the time.
+constexpr double kLeastLength = 0.2, kLeastGain = 0.2;
+constexpr int kLeastSteps = 15;
+constexpr double kSlowestRate = 0.97;
+
 double first_epsilon(double least_determinant) {
   const double below = std::min(0.0, least_determinant);
   return std::sqrt(1e-12 + 0.04 * below * below);
@@ -64,11 +70,37 @@ Result<void> Untangling::step() {
   return {};
 }
 
-Result<void> Descent::step() {
+/// With the factor at hand, unless the steps with it get nowhere.
+bool Descent::prepare_again() {
+  if (!serves_) return false;
+  map_.prepare_again();
+  ++steps_with_;
+  return steps_with_ < kLeastSteps ||
+         map_.gradient() <= gradient_at_first_ * std::pow(kSlowestRate, steps_with_);
+}
+
+Result<void> Descent::prepare() {
+  if (prepare_again()) return {};
+  serves_ = false;
   if (auto prepared = map_.prepare(); !prepared) return prepared;
+  steps_with_ = 0;
+  gradient_at_first_ = map_.gradient();
+  return {};
+}
+
+Result<void> Descent::step() {
+  if (auto prepared = prepare(); !prepared) return prepared;
   converged_ = map_.gradient() <= tolerance_;
-  done_ = converged_ || steps_ >= most_steps_ || !map_.advance();
-  steps_ += !done_;
+  if (converged_ || steps_ >= most_steps_) {
+    done_ = true;
+    return {};
+  }
+  const bool moved = map_.advance();
+  if (steps_with_ == 0) {
+    done_ = !moved;
+    steps_ += moved;
+  }
+  serves_ = moved && map_.stride().length >= kLeastLength && map_.stride().gain >= kLeastGain;
   return {};
 }
 

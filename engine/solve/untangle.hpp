@@ -28,7 +28,8 @@ class Untangling {
 };
 
 /// Newton steps down an energy that is infinite at flips, which the map was told to lower, until the gradient is at most the
-/// tolerance, no step lowers it, or so many are taken.
+/// tolerance, no step lowers it, or so many are taken. While a factor serves, it is kept, and quasi-Newton steps with it, which
+/// are not counted, lie in between.
 class Descent {
  public:
   /// map must outlive it.
@@ -41,10 +42,16 @@ class Descent {
   Result<void> step();
 
  private:
+  Result<void> prepare();
+  bool prepare_again();
   NewtonMap& map_;
   double tolerance_;
   int most_steps_, steps_ = 0;
   bool converged_ = false, done_ = false;
+  // Of the factor:
+  bool serves_ = false;
+  int steps_with_ = 0;
+  double gradient_at_first_ = 0;
 };
 
 /// The whole of a problem's map, with its features and its barrier.   uv [V]: features as the DOF map's poses have them
