@@ -38,18 +38,40 @@ Box2 box_of(Vec2 a, Vec2 b) {
 
 BoundaryBarrier::BoundaryBarrier(const Exec& exec, const ArapEnergy& mesh, const Topology& topology,
                                  In<Index> vertex_component)
-    : exec_(exec), fixed_(mesh.fixed), component_(vertex_component) {
+    : exec_(exec), fixed_(mesh.fixed) {
   std::vector<double> reach(mesh.num_vertices(), 0);
   for (const Index c : topology.loop_corner) {
     const Index v = mesh.corner_vertex[c];
     tail_.push_back(v);
     head_.push_back(mesh.corner_vertex[next_corner(c)]);
     apex_.push_back(mesh.corner_vertex[previous_corner(c)]);
+    component_.push_back(vertex_component[v]);
     reach_.push_back(kReach * shortest_edge_around(mesh, v));
     reach[v] = reach_.back();
   }
   for (std::size_t k = 0; k < tail_.size(); ++k)
     edge_reach_.push_back(std::min(reach[tail_[k]], reach[head_[k]]));
+}
+
+BoundaryBarrier::BoundaryBarrier(const BoundaryBarrier& whole, const ArapEnergy& part, In<Index> vertex)
+    : exec_(whole.exec_), fixed_(part.fixed) {
+  std::vector<std::pair<Index, Index>> place;  // of the whole's vertices in the part
+  for (Index i = 0; i < static_cast<Index>(vertex.size()); ++i) place.emplace_back(vertex[i], i);
+  std::sort(place.begin(), place.end());
+  const auto find = [&](Index v) {
+    const auto at = std::lower_bound(place.begin(), place.end(), std::pair(v, Index{0}));
+    return at != place.end() && at->first == v ? at->second : kNone;
+  };
+  for (std::size_t k = 0; k < whole.tail_.size(); ++k) {
+    const Index tail = find(whole.tail_[k]), head = find(whole.head_[k]);
+    if (tail == kNone || head == kNone) continue;
+    tail_.push_back(tail);
+    head_.push_back(head);
+    apex_.push_back(find(whole.apex_[k]));
+    component_.push_back(whole.component_[k]);
+    reach_.push_back(whole.reach_[k]);
+    edge_reach_.push_back(whole.edge_reach_[k]);
+  }
 }
 
 /// Pairs whose boxes meet, vertices ascending; visit(block, vertex, edge), blocks at the same time.
@@ -64,7 +86,7 @@ void BoundaryBarrier::visit_candidates(In<Box2> vertex_box, In<Box2> edge_box, V
           const Index e = tree.order()[i];
           const Index vertex = tail_[v];
           if (vertex == tail_[e] || vertex == head_[e] || vertex == apex_[e]) continue;
-          if (component_[vertex] != component_[tail_[e]]) continue;
+          if (component_[v] != component_[e]) continue;
           if (vertex_box[v].meets(edge_box[e])) visit(block, v, e);
         }
       });

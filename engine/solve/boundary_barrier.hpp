@@ -19,6 +19,9 @@ class BoundaryBarrier {
  public:
   BoundaryBarrier(const Exec& exec, const ArapEnergy& mesh, const Topology& topology,
                   In<Index> vertex_component);
+  /// The same for a part of the map, where edges with both ends in it are all that others meet.
+  ///   vertex: of the whole, those of the part in its order;  part: outlives this
+  BoundaryBarrier(const BoundaryBarrier& whole, const ArapEnergy& part, In<Index> vertex);
 
   /// The energy at uv [V]; half its gradient is added to force [V], but at fixed vertices.
   double add_forces(In<Vec2> uv, Out<Vec2> force) const;
@@ -49,9 +52,9 @@ class BoundaryBarrier {
 
   const Exec& exec_;
   In<std::uint8_t> fixed_;
-  In<Index> component_;
-  std::vector<Index> tail_, head_;          // of boundary edge k, the surface on its left
-  std::vector<Index> apex_;                 // the third vertex of its triangle
+  std::vector<Index> tail_, head_;  // of boundary edge k, the surface on its left
+  std::vector<Index> apex_;         // the third vertex of its triangle, kNone where it is not in the part
+  std::vector<Index> component_;
   std::vector<double> reach_, edge_reach_;  // of its tail, and of both ends
 };
 

@@ -323,7 +323,8 @@ bool NewtonMap::advance() {
     force_.swap(force_trial_);
     stride_ = {length_, (energy_ - trial) / (-slope * length_ * (1 - 0.5 * length_))};
     energy_ = trial;
-    if (keeps_positive() && !learnt_) projection_ = projection_ > kLeastProjection ? kLessProjection * projection_ : 0;
+    if (keeps_positive() && !learnt_)
+      projection_ = projection_ > kLeastProjection ? kLessProjection * projection_ : 0;
     return true;
   }
   if (dof_ && dof_->expand(x_)) energy_ = evaluate_at(x_, force_);

@@ -75,8 +75,8 @@ class OverlapRemover {
       }
       return all;
     };
-    auto uv =
-        straighten_boundary(exec_, problem_, find, monitor_, minimum_.uv, minimum_.overlaps.newton_steps);
+    auto uv = straighten_boundary(exec_, problem_, density_of(options_), find, monitor_, minimum_.uv,
+                                  minimum_.overlaps.newton_steps);
     if (!uv) return fail(uv.error());
     if (!*uv) return {};
     minimum_.uv = std::move(**uv);

@@ -88,6 +88,15 @@ std::vector<Patch> grow_patches(const ArapEnergy& mesh, In<Index> seed_triangle,
   return patches;
 }
 
+Patch grow_patch(const ArapEnergy& mesh, In<Index> seed_triangle, int rings, In<std::uint8_t> movable,
+                 In<Index> rank) {
+  std::vector<std::uint8_t> marked(mesh.num_vertices(), 0);
+  Patch patch;
+  patch.vertex = vertices_around(mesh, seed_triangle, rings, movable, marked);
+  complete(mesh, rank, patch);
+  return patch;
+}
+
 PatchMesh::PatchMesh(const ArapEnergy& mesh, const Patch& patch) : num_free_(patch.num_free) {
   const auto num_vertices = static_cast<Index>(patch.vertex.size());
   std::vector<std::pair<Index, Index>> place;  // of the mesh's vertices here

@@ -7,9 +7,10 @@
 
 namespace planish {
 
-/// A connected set of free vertices, and the triangles at them.
+/// A set of free vertices, connected unless said otherwise, and the triangles at them.
 struct Patch {
-  std::vector<Index> vertex;  ///< the free ones in order of elimination, then those of the rim
+  std::vector<Index>
+      vertex;  ///< the free ones in order of elimination, then those of the rim, and what else is held
   Index num_free = 0;
   std::vector<Index> triangle;
 };
@@ -19,6 +20,10 @@ struct Patch {
 /// Cost: O(V) for the marks, and the triangles of the patches.
 std::vector<Patch> grow_patches(const ArapEnergy& mesh, In<Index> seed_triangle, int rings,
                                 In<std::uint8_t> movable, In<Index> rank);
+
+/// The same neighbourhoods as one patch.
+Patch grow_patch(const ArapEnergy& mesh, In<Index> seed_triangle, int rings, In<std::uint8_t> movable,
+                 In<Index> rank);
 
 /// A patch as a mesh of its own.
 class PatchMesh {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/solve/boundary_barrier.hpp"
 #include "engine/solve/patch_work.hpp"
 #include "engine/solve/untangle.hpp"
 
@@ -14,6 +15,9 @@ constexpr int kFirstRings = 4, kMostRings = 256;
 /// Of the map's triangles; neighbourhoods larger than that are not neighbourhoods.
 constexpr double kMostShare = 0.1;
 constexpr int kMostSteps = 100;
+/// Around them, and how close to their minimum neighbourhoods are brought.
+constexpr int kSettledRings = 12;
+constexpr double kSettled = 1e-3;
 /// Half the turning of an arc: two edges of one triangle must not come to lie on one line.
 constexpr double kHalfSweep = std::numbers::pi / 8;
 
@@ -28,9 +32,11 @@ Vec2 on_arc(Vec2 a, Vec2 b, double share) {
 
 class Straightening {
  public:
-  Straightening(const Exec& exec, const ArapProblem& problem, const Monitor& monitor)
+  Straightening(const Exec& exec, const ArapProblem& problem, const MapDensity& density,
+                const Monitor& monitor)
       : exec_(exec),
         problem_(problem),
+        density_(density),
         mesh_(problem.energy),
         monitor_(monitor),
         movable_(mesh_.num_vertices()),
@@ -61,7 +67,10 @@ class Straightening {
         if (!laid) return fail(laid.error());
       }
       const std::vector<Index> left = find(uv);
-      if (left.empty()) return uv;
+      if (left.empty()) {
+        if (auto settled = settle(seeds, rings, uv, steps); !settled) return fail(settled.error());
+        return uv;
+      }
       seeds.insert(seeds.end(), left.begin(), left.end());
     }
     return std::optional<std::vector<Vec2>>();
@@ -88,6 +97,35 @@ class Straightening {
     if (!map.measure().is_injective(map.uv())) return {};
     for (std::size_t i = 0; i < held.vertex.size(); ++i) uv[held.vertex[i]] = map.uv()[i];
     return {};
+  }
+
+  /// What was laid anew is far from any minimum, and the steps down to one are all near it: the whole, begun from here, would
+  /// take as many.
+  Result<void> settle(In<Index> seeds, int rings, Out<Vec2> uv, int& steps) {
+    Patch patch = grow_patch(mesh_, seeds, rings + kSettledRings, movable_, rank_);
+    add_boundary(patch);
+    const PatchMesh local(mesh_, patch);
+    std::optional<BoundaryBarrier> barrier;
+    if (problem_.barrier) barrier.emplace(*problem_.barrier, local.energy(), patch.vertex);
+    std::vector<Vec2> x;
+    for (const Index v : patch.vertex) x.push_back(uv[v]);
+    NewtonMap map(exec_, local.energy(), local.unknowns(), nullptr, std::move(x));
+    map.keep_apart(barrier ? &*barrier : nullptr);
+    map.lower(density_);
+    Descent descent(map, kSettled, kMostSteps);
+    if (auto taken = unless_degenerate(take_steps(descent, map, monitor_, steps)); !taken) return taken;
+    for (Index i = 0; i < patch.num_free; ++i) uv[patch.vertex[i]] = map.uv()[i];
+    return {};
+  }
+
+  /// All the boundary that is not in a patch, held: what moves in it must not cross that.
+  void add_boundary(Patch& patch) const {
+    std::vector<Index> inside = patch.vertex;
+    std::sort(inside.begin(), inside.end());
+    for (Index v = 0; v < static_cast<Index>(after_.size()); ++v) {
+      if (after_[v] != kNone && !std::binary_search(inside.begin(), inside.end(), v))
+        patch.vertex.push_back(v);
+    }
   }
 
   /// The runs of the boundary in a patch put on arcs, and held there.
@@ -131,6 +169,7 @@ class Straightening {
 
   const Exec& exec_;
   const ArapProblem& problem_;
+  MapDensity density_;
   const ArapEnergy& mesh_;
   const Monitor& monitor_;
   std::vector<std::uint8_t> movable_;
@@ -144,10 +183,11 @@ class Straightening {
 }  // namespace
 
 Result<std::optional<std::vector<Vec2>>> straighten_boundary(const Exec& exec, const ArapProblem& problem,
+                                                             const MapDensity& density,
                                                              const FindOverlapping& find,
                                                              const Monitor& monitor, In<Vec2> uv,
                                                              int& steps) {
-  return Straightening(exec, problem, monitor)(find, uv, steps);
+  return Straightening(exec, problem, density, monitor)(find, uv, steps);
 }
 
 }  // namespace planish

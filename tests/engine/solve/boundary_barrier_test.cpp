@@ -149,6 +149,42 @@ TEST_CASE("boundary barrier: pairs are among those that are near, and steps end 
   for (const HessianElement& e : elements) CHECK(std::binary_search(near.begin(), near.end(), e.vertex));
 }
 
+TEST_CASE("boundary barrier: that of a part has the energy and the forces between the edges that lie in it") {
+  OpenFrame frame(0.05);
+  frame.put_last(-1e-3, 2e-3);
+  const ArapEnergy mesh = frame.energy();
+  const auto n = static_cast<Index>(frame.flat.size());
+  const BoundaryBarrier whole = frame.barrier();
+  std::vector<Vec2> force(n);
+  const double energy = whole.add_forces(frame.flat, force);
+  REQUIRE(energy > 0);
+  // All vertices in another order, and those of one end with the rest of the boundary missing.
+  std::vector<Index> backwards, one_end;
+  for (Index v = n; v-- > 0;) backwards.push_back(v);
+  for (Index v = 0; v < n; ++v) {
+    if (frame.is_last(v)) one_end.push_back(v);
+  }
+  const auto part_energy = [&](In<Index> vertex, std::vector<Vec2>& force_there) {
+    std::vector<std::uint8_t> fixed;
+    std::vector<Vec2> uv;
+    for (const Index v : vertex) {
+      fixed.push_back(mesh.fixed[v]);
+      uv.push_back(frame.flat[v]);
+    }
+    ArapEnergy part;
+    part.fixed = fixed;
+    force_there.assign(vertex.size(), {});
+    const BoundaryBarrier barrier(whole, part, vertex);
+    CHECK(barrier.first_contact(uv, std::vector<Vec2>(uv.size(), Vec2{}), 1) == kInfinity);
+    return barrier.add_forces(uv, force_there);
+  };
+  std::vector<Vec2> there;
+  CHECK(part_energy(backwards, there) == doctest::Approx(energy).epsilon(1e-14));
+  for (Index i = 0; i < n; ++i)
+    CHECK(norm(there[i] - force[backwards[i]]) <= 1e-14 * norm(force[backwards[i]]));
+  CHECK(part_energy(one_end, there) == 0);
+}
+
 TEST_CASE("boundary barrier: the elimination order is found anew where contacts couple many vertices") {
   constexpr Index kSide = 12;
   const GridMap grid(kSide);
