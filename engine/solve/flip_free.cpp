@@ -92,6 +92,9 @@ class FlipRemover {
   Offset least_faults_ = 0;
 };
 
+/// Of the whole, whose steps cost a third of a factorization even with a kept factor.
+constexpr DescentDirections::Patience kShortPatience = {.steps = 1, .slowest_rate = 0.6};
+
 class Polish {
  public:
   Polish(const Exec& exec, const ArapProblem& problem, const FlattenOptions& options, const Monitor& monitor,
@@ -103,7 +106,8 @@ class Polish {
         minimum_(minimum),
         density_(density_of(options)),
         patches_(exec, problem),
-        map_(whole_map(exec, problem, minimum.uv)) {}
+        map_(whole_map(exec, problem, minimum.uv)),
+        directions_(map_, kShortPatience) {}
 
   Result<void> operator()() {
     FlipRemoval& removal = minimum_.removal;
@@ -113,19 +117,26 @@ class Polish {
     }
     map_.lower(density_);
     patches_help_ = options_.energy == Energy::Arap;  // the other one does not crumple
-    for (;; ++removal.newton_steps) {
+    while (true) {
       if (patches_help_) {
         if (auto relaxed = relax_patches(); !relaxed) return relaxed;
       }
-      if (auto prepared = map_.prepare(); !prepared) {
+      if (auto prepared = directions_.prepare(); !prepared) {
         if (auto severe = unless_degenerate(prepared); !severe) return severe;
         break;
       }
       if (auto recorded = record(); !recorded) return recorded;
       const bool last = minimum_.history.back().iteration >= options_.max_iterations;
       minimum_.converged = minimum_.gradient <= options_.tolerance;
-      if (minimum_.converged || last || !map_.advance()) break;
+      if (minimum_.converged || last) break;
+      const auto moved = directions_.advance();
+      if (!moved) {
+        if (auto severe = unless_degenerate(fail(moved.error())); !severe) return severe;
+        break;
+      }
+      if (!*moved) break;
     }
+    removal.newton_steps += directions_.newton_steps();
     removal.energy = map_.energy() / problem_.energy.area;
     removal.patch_steps += patches_.steps_done();
     minimum_.uv.assign(map_.uv().begin(), map_.uv().end());
@@ -166,6 +177,7 @@ class Polish {
   MapDensity density_;
   PatchWork patches_;
   NewtonMap map_;
+  DescentDirections directions_;
   bool patches_help_ = false;
   double left_ = kInfinity;  // the gradient at the step before
 };

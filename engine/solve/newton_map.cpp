@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kSufficientDecrease = 1e-4;
 constexpr int kMostHalvings = 30;
-constexpr double kEnergyRounding = 1e-14;  // relative, of a sum
+// Of a sum, relative; and of the lengths of edges, which is more where the energy is next to none.
+constexpr double kEnergyRounding = 1e-14, kLengthRounding = 2e-16;
 // The share of the projection in the Hessian, from step to step.
 constexpr double kLessProjection = 0.25;
 constexpr double kMoreProjection = 3;
@@ -311,13 +312,14 @@ void NewtonMap::bound_length() {
 bool NewtonMap::advance() {
   const double slope = 2 * force_times_direction_;  // the force is half the gradient
   if (!(slope < 0)) return false;
+  const double rounding = kEnergyRounding * energy_ + kLengthRounding * std::sqrt(energy_ * mesh_.area);
   length_ = 1;
   if (keeps_positive() || barrier_) bound_length();
   for (int halving = 0; halving < kMostHalvings; ++halving, length_ *= 0.5) {
     combine(exec_, {{1, x_}, {length_, direction_}}, x_trial_);
     if (dof_ && !dof_->expand(x_trial_)) continue;
     const double trial = evaluate_at(x_trial_, force_trial_);
-    if (!(trial <= energy_ + kSufficientDecrease * length_ * slope + kEnergyRounding * energy_)) continue;
+    if (!(trial <= energy_ + kSufficientDecrease * length_ * slope + rounding)) continue;
     if (keeps_positive() && !measure_.is_injective(vertices(x_trial_))) continue;
     x_.swap(x_trial_);
     force_.swap(force_trial_);

@@ -14,8 +14,10 @@ namespace {
 constexpr int kRings = 4;
 constexpr int kMostUntangling = 25;  // steps; what takes more is left to the whole
 constexpr int kUnwoundRings = 1;     // around overwound vertices, at first
-/// Mean stretch below which a triangle is part of a compressed place.
-constexpr double kCompressed = 0.6;
+/// Mean stretch below which a triangle is part of a compressed place; the stricter one where the other leaves more than so
+/// large a share of them, of which neighbourhoods would be the whole.
+constexpr double kCompressed = 0.8, kCrushed = 0.6;
+constexpr double kMostShare = 0.1;
 
 /// One patch, worked on in slices of time, so that the caller can be asked in between whether to go on.
 class PatchJob {
@@ -160,10 +162,14 @@ std::vector<Index> PatchWork::faults(In<Vec2> x) const {
 }
 
 std::vector<Index> PatchWork::compressed(In<Vec2> x) const {
-  return select(exec_, mesh_.num_triangles(), [&](Index t) {
-    const Wirtinger j = wirtinger(corner_weights(mesh_.frame[t]), corner_images(mesh_.corner_vertex, t, x));
-    return norm(j.p) < kCompressed;
-  });
+  const auto stretch = [&](Index t) {
+    return norm(wirtinger(corner_weights(mesh_.frame[t]), corner_images(mesh_.corner_vertex, t, x)).p);
+  };
+  std::vector<Index> found =
+      select(exec_, mesh_.num_triangles(), [&](Index t) { return stretch(t) < kCompressed; });
+  if (static_cast<double>(found.size()) > kMostShare * mesh_.num_triangles())
+    std::erase_if(found, [&](Index t) { return stretch(t) >= kCrushed; });
+  return found;
 }
 
 Result<void> PatchWork::untangle(const MapDensity& density, const Monitor& monitor, Out<Vec2> x) {

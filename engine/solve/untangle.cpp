@@ -14,11 +14,10 @@ constexpr double kStillFalling = 0.1;
 constexpr double kClearlyPositive = 1e-3;
 constexpr double kSettled = 1e-3;
 
-// A factor is kept after steps that go so far and gain so much; and after so many with it while the gradient falls at such a
-// rate. A step with it costs a sixth of a factorization where that is what takes the time.
+// A factor is kept after steps that go so far and gain so much.
 constexpr double kLeastLength = 0.2, kLeastGain = 0.2;
-constexpr int kLeastSteps = 15;
-constexpr double kSlowestRate = 0.97;
+/// Of neighbourhoods, where a step with a kept factor costs a sixth of one with a factor of its own.
+constexpr DescentDirections::Patience kLongPatience = {.steps = 15, .slowest_rate = 0.97};
 
 double first_epsilon(double least_determinant) {
   const double below = std::min(0.0, least_determinant);
@@ -71,36 +70,46 @@ Result<void> Untangling::step() {
 }
 
 /// With the factor at hand, unless the steps with it get nowhere.
-bool Descent::prepare_again() {
+bool DescentDirections::prepare_again() {
   if (!serves_) return false;
   map_.prepare_again();
-  ++steps_with_;
-  return steps_with_ < kLeastSteps ||
-         map_.gradient() <= gradient_at_first_ * std::pow(kSlowestRate, steps_with_);
+  gradient_.push_back(map_.gradient());
+  const auto [steps, rate] = patience_;
+  if (gradient_.size() <= steps) return true;
+  const double before = gradient_[gradient_.size() - 1 - steps];
+  return gradient_.back() <= before * std::pow(rate, steps);
 }
 
-Result<void> Descent::prepare() {
-  if (prepare_again()) return {};
-  serves_ = false;
+Result<void> DescentDirections::factor() {
   if (auto prepared = map_.prepare(); !prepared) return prepared;
-  steps_with_ = 0;
-  gradient_at_first_ = map_.gradient();
+  gradient_.assign(1, map_.gradient());
   return {};
 }
 
-Result<void> Descent::step() {
-  if (auto prepared = prepare(); !prepared) return prepared;
-  converged_ = map_.gradient() <= tolerance_;
-  if (converged_ || steps_ >= most_steps_) {
-    done_ = true;
-    return {};
+Result<void> DescentDirections::prepare() { return prepare_again() ? Result<void>() : factor(); }
+
+Result<bool> DescentDirections::advance() {
+  bool moved = map_.advance();
+  if (!moved && gradient_.size() > 1) {
+    if (auto prepared = factor(); !prepared) return fail(prepared.error());
+    moved = map_.advance();
   }
-  const bool moved = map_.advance();
-  if (steps_with_ == 0) {
-    done_ = !moved;
-    steps_ += moved;
-  }
+  newton_steps_ += moved && gradient_.size() == 1;
   serves_ = moved && map_.stride().length >= kLeastLength && map_.stride().gain >= kLeastGain;
+  return moved;
+}
+
+Descent::Descent(NewtonMap& map, double tolerance, int most_steps)
+    : map_(map), directions_(map, kLongPatience), tolerance_(tolerance), most_steps_(most_steps) {}
+
+Result<void> Descent::step() {
+  if (auto prepared = directions_.prepare(); !prepared) return prepared;
+  converged_ = map_.gradient() <= tolerance_;
+  done_ = converged_ || steps() >= most_steps_;
+  if (done_) return {};
+  const auto moved = directions_.advance();
+  if (!moved) return fail(moved.error());
+  done_ = !*moved;
   return {};
 }
 

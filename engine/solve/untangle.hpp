@@ -27,31 +27,52 @@ class Untangling {
   bool positive_ = false, done_ = false;
 };
 
-/// Newton steps down an energy that is infinite at flips, which the map was told to lower, until the gradient is at most the
-/// tolerance, no step lowers it, or so many are taken. While a factor serves, it is kept, and quasi-Newton steps with it, which
-/// are not counted, lie in between.
+/// Ways down an energy that is infinite at flips, which the map was told to lower: Newton's, and quasi-Newton ones with the
+/// factor at hand while it serves.
+class DescentDirections {
+ public:
+  /// A kept factor serves while steps go far and gain much, and the gradient falls at a rate a step, on the whole of so many.
+  struct Patience {
+    std::size_t steps;
+    double slowest_rate;
+  };
+  /// map must outlive it.
+  DescentDirections(NewtonMap& map, Patience patience) : map_(map), patience_(patience) {}
+  /// Fails: as NewtonMap::prepare().
+  Result<void> prepare();
+  /// Moves along the direction prepared last, or along Newton's where that one lowers nothing. False, and where it was, where
+  /// not even that does.   Fails: as prepare().
+  Result<bool> advance();
+  int newton_steps() const { return newton_steps_; }
+
+ private:
+  Result<void> factor();
+  bool prepare_again();
+  NewtonMap& map_;
+  Patience patience_;
+  bool serves_ = false;
+  int newton_steps_ = 0;
+  std::vector<double> gradient_;  // with this factor, newest last
+};
+
+/// Steps along those until the gradient is at most the tolerance, no step lowers the energy, or so many of Newton's are done.
 class Descent {
  public:
   /// map must outlive it.
-  Descent(NewtonMap& map, double tolerance, int most_steps)
-      : map_(map), tolerance_(tolerance), most_steps_(most_steps) {}
+  Descent(NewtonMap& map, double tolerance, int most_steps);
   bool is_done() const { return done_; }
   bool has_converged() const { return converged_; }
-  int steps() const { return steps_; }
+  /// Newton steps; those with kept factors in between are not counted.
+  int steps() const { return directions_.newton_steps(); }
   /// Pre: not done.   Fails: as NewtonMap::prepare().
   Result<void> step();
 
  private:
-  Result<void> prepare();
-  bool prepare_again();
   NewtonMap& map_;
+  DescentDirections directions_;
   double tolerance_;
-  int most_steps_, steps_ = 0;
+  int most_steps_;
   bool converged_ = false, done_ = false;
-  // Of the factor:
-  bool serves_ = false;
-  int steps_with_ = 0;
-  double gradient_at_first_ = 0;
 };
 
 /// The whole of a problem's map, with its features and its barrier.   uv [V]: features as the DOF map's poses have them
