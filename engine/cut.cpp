@@ -8,7 +8,7 @@
 #include "engine/features/one_ring.hpp"
 #include "engine/prepare/cut.hpp"
 #include "engine/prepare/cut_graph.hpp"
-#include "engine/prepare/validate.hpp"
+#include "engine/prepare/prepare.hpp"
 
 namespace planish {
 namespace {
@@ -68,8 +68,9 @@ Result<void> check_opened(const Topology& topology, const CutSurface& opened,
 
 Result<Cut> cut_open(const Exec& exec, const Surface& surface, const std::vector<Feature>& features,
                      const std::vector<std::string>& seams, CutMode mode, In<Vec2> corner_uv = {}) {
-  if (auto checked = check_manifold(exec, surface); !checked) return fail(checked.error());
-  const Topology topology = build_topology(exec, surface);
+  auto sound = manifold_topology(exec, surface);
+  if (!sound) return fail(sound.error());
+  const Topology& topology = *sound;
   const auto seam = seam_corners(surface, topology, features, seams);
   if (!seam) return fail(seam.error());
   std::vector<Index> corners;

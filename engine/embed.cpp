@@ -16,7 +16,7 @@
 #include "engine/features/regions.hpp"
 #include "engine/features/select.hpp"
 #include "engine/features/sharp_edges.hpp"
-#include "engine/prepare/validate.hpp"
+#include "engine/prepare/prepare.hpp"
 
 namespace planish {
 namespace {
@@ -52,8 +52,9 @@ class Embedder {
 
   Result<void> start() {
     if (auto going = go_on(Phase::Check); !going) return going;
-    if (auto checked = check_manifold(exec_, surface_); !checked) return checked;
-    topology_ = build_topology(exec_, surface_);
+    auto topology = manifold_topology(exec_, surface_);
+    if (!topology) return fail(topology.error());
+    topology_ = std::move(*topology);
     if (auto known = check_references(surface_, topology_, set_); !known) return known;
     mesh_.emplace(surface_, topology_);
     result_.features.resize(set_.features.size());
@@ -106,11 +107,16 @@ class Embedder {
   // ---- curves ----
 
   Result<void> project_polylines() {
-    const bool any = std::any_of(set_.features.begin(), set_.features.end(), [](const FeatureSpec& spec) {
-      return std::holds_alternative<PolylineSource>(spec.source);
-    });
-    if (!any) return {};
-    const SurfaceLocator locator(exec_, surface_);
+    std::size_t num_points = 0;
+    for (const FeatureSpec& spec : set_.features) {
+      if (const auto* polyline = std::get_if<PolylineSource>(&spec.source))
+        num_points += polyline->point.size();
+    }
+    if (num_points == 0) return {};
+    constexpr std::size_t kFew = 4;  // times as many triangles as points
+    const bool few = kFew * num_points < static_cast<std::size_t>(surface_.num_triangles());
+    const SurfaceLocator locator(exec_, surface_,
+                                 few ? SurfaceLocator::Built::ForFewQueries : SurfaceLocator::Built::ForMany);
     auto projected = project(exec_, surface_, topology_, locator, set_.features);
     if (!projected) return fail(projected.error());
     projection_ = std::move(*projected);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <new>
 
-#include "engine/prepare/validate.hpp"
+#include "engine/prepare/prepare.hpp"
 #include "engine/verify/benchmark.hpp"
 #include "engine/verify/certificate.hpp"
 #include "engine/verify/claims_check.hpp"
@@ -126,7 +126,7 @@ Result<Verification> verify(const Surface& surface, In<Vec2> corner_uv, const St
   if (statements.set != nullptr && statements.claims == nullptr)
     return fail(ErrorCode::BadUsage, "constraints are verified with the report, which has their features");
   const Exec exec(options.threads);
-  if (auto checked = check_manifold(exec, surface); !checked) return fail(checked.error());
+  if (auto sound = manifold_topology(exec, surface); !sound) return fail(sound.error());
   if (auto checked = check_uv(surface, corner_uv); !checked) return fail(checked.error());
   if (statements.claims != nullptr) {
     if (auto checked = check_claims(surface, *statements.claims); !checked) return fail(checked.error());

@@ -156,7 +156,7 @@ struct SurfaceLocator::Tree {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
-  Tree(const Exec& exec, const Surface& s);
+  Tree(const Exec& exec, const Surface& s, Built built);
   ~Tree() {
     if (scene) rtcReleaseScene(scene);
     if (device) rtcReleaseDevice(device);
@@ -168,7 +168,7 @@ struct SurfaceLocator::Tree {
   Hit nearest(Vec3 query, double radius, In<Index> triangle_group, Index group) const;
 
  private:
-  void build(const Exec& exec);
+  void build(const Exec& exec, Built built);
   static void bounds(const RTCBoundsFunctionArguments* args);
 };
 
@@ -218,7 +218,7 @@ bool is_finite(Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std:
 
 }  // namespace
 
-SurfaceLocator::Tree::Tree(const Exec& exec, const Surface& s) : surface(s) {
+SurfaceLocator::Tree::Tree(const Exec& exec, const Surface& s, Built built) : surface(s) {
   if (s.num_triangles() == 0) return;
   const Box box = box_of(exec, s);
   centre = 0.5 * box.lower + 0.5 * box.upper;
@@ -226,15 +226,16 @@ SurfaceLocator::Tree::Tree(const Exec& exec, const Surface& s) : surface(s) {
   int exponent = 0;
   std::frexp(std::max({half.x, half.y, half.z}), &exponent);
   scale = std::ldexp(1.0, -exponent);
-  build(exec);
+  build(exec, built);
 }
 
-void SurfaceLocator::Tree::build(const Exec& exec) {
+void SurfaceLocator::Tree::build(const Exec& exec, Built built) {
   device = rtcNewDevice(nullptr);
   if (!device) throw std::bad_alloc();
   scene = rtcNewScene(device);
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   if (scene && geometry) {
+    if (built == Built::ForFewQueries) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
     rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(surface.num_triangles()));
     rtcSetGeometryUserData(geometry, this);
     rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
@@ -289,8 +290,8 @@ SurfaceLocator::Hit SurfaceLocator::Tree::nearest(Vec3 query, double radius, In<
   return hit_at(surface, search.triangle, search.foot);
 }
 
-SurfaceLocator::SurfaceLocator(const Exec& exec, const Surface& surface)
-    : tree_(std::make_unique<Tree>(exec, surface)) {}
+SurfaceLocator::SurfaceLocator(const Exec& exec, const Surface& surface, Built built)
+    : tree_(std::make_unique<Tree>(exec, surface, built)) {}
 SurfaceLocator::~SurfaceLocator() = default;
 SurfaceLocator::SurfaceLocator(SurfaceLocator&&) noexcept = default;
 SurfaceLocator& SurfaceLocator::operator=(SurfaceLocator&&) noexcept = default;

@@ -102,6 +102,33 @@ void bound(const OrderedMesh& mesh, Diagnosis& diagnosis) {
   diagnosis.upper = mesh.centre + mesh.unit * upper;
 }
 
+double largest_coordinate(const Exec& exec, const Surface& surface) {
+  const auto num_corners = static_cast<Index>(surface.corner_vertex.size());
+  std::vector<double> part(Exec::num_blocks(num_corners, kBlock), 0);
+  exec.for_blocks(num_corners, kBlock, [&](Index block, Range r) {
+    for (Index c = r.begin; c < r.end; ++c) {
+      const Vec3 p = surface.position[surface.corner_vertex[c]];
+      part[block] = std::max({part[block], std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    }
+  });
+  return part.empty() ? 0 : *std::max_element(part.begin(), part.end());
+}
+
+/// All triangles have an area that is beyond the doubt of find_defects(), and coordinates can be scaled.
+bool is_well_shaped(const Exec& exec, const Surface& surface) {
+  constexpr double kLargest = 1e150, kLeast = 1e-150;
+  const double largest = largest_coordinate(exec, surface);
+  if (!(largest > kLeast && largest < kLargest)) return false;
+  const double least_altitude = 16 * std::numeric_limits<double>::epsilon() * largest;
+  const auto is_flat = [&](Index t) {
+    const Index* v = &surface.corner_vertex[3 * static_cast<std::size_t>(t)];
+    const Vec3 a = surface.position[v[0]], ab = surface.position[v[1]] - a, ac = surface.position[v[2]] - a;
+    const double longest = std::max({norm(ab), norm(ac), norm(ac - ab)});
+    return !(norm(cross(ab, ac)) > least_altitude * longest);
+  };
+  return select(exec, surface.num_triangles(), is_flat).empty();
+}
+
 }  // namespace
 
 Result<PreparedMesh> prepare(const Exec& exec, const Surface& surface) {
@@ -125,6 +152,14 @@ Result<PreparedMesh> prepare(const Exec& exec, const Surface& surface) {
   measure(exec, mesh, diagnosis);
   find_defects(exec, mesh, topology, diagnosis);
   return prepared;
+}
+
+Result<Topology> manifold_topology(const Exec& exec, const Surface& surface) {
+  if (auto checked = check_indices(surface); !checked) return fail(checked.error());
+  Topology topology = build_topology(exec, surface);
+  if (topology.manifold && is_well_shaped(exec, surface)) return topology;
+  if (auto checked = check_manifold(exec, surface); !checked) return fail(checked.error());
+  return topology;
 }
 
 Result<Diagnosis> diagnose(const Exec& exec, const Surface& surface) {

@@ -125,10 +125,13 @@ TEST_CASE("locator: finds what a search through all triangles finds, bit for bit
   meshes.push_back(shapes::relabelled(shapes::rigid_motion(shapes::wavy_disk(1000), 3), 4, new_of_old));
   for (const Mesh& mesh : meshes) {
     const SurfaceLocator locator(Exec(2), mesh.surface());
+    const SurfaceLocator for_few(Exec(2), mesh.surface(), SurfaceLocator::Built::ForFewQueries);
     for (int k = 0; k < 300; ++k) {
       const Vec3 query = random_point(random, k % 3 == 0 ? 100 : 1.5);
-      const Hit hit = locator.nearest(query);
+      const Hit hit = locator.nearest(query), other = for_few.nearest(query);
       check_hit(mesh.surface(), query, hit, 2);
+      CHECK(other.at.triangle == hit.at.triangle);
+      CHECK(other.position == hit.position);
       const double exact = reference_distance(mesh.surface(), hit.at.triangle, query);
       CHECK(std::abs(hit.distance - exact) <= 1e-13 * (2 + exact));
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/prepare/prepare.hpp"
 #include "tests/support/shapes.hpp"
 
 using namespace planish;
@@ -300,4 +301,51 @@ TEST_CASE("validate: many vertices that are not numbers are named as fast as few
 TEST_CASE("validate: duplicate positions are counted") {
   const Mesh mesh = shapes::joined(shapes::wavy_disk(50), shapes::wavy_disk(50));
   CHECK(diagnosis_of(mesh).duplicate_positions == mesh.num_vertices() / 2);
+}
+
+TEST_CASE("validate: the adjacency of a manifold is refused where its diagnosis is, in the same words") {
+  const auto said = [](const Mesh& mesh) {
+    const auto topology = manifold_topology(Exec(2), mesh.surface());
+    const auto checked = check_manifold(Exec(2), mesh.surface());
+    CHECK(topology.has_value() == checked.has_value());
+    if (!topology) {
+      CHECK(topology.error().what == checked.error().what);
+      CHECK(topology.error().ids == checked.error().ids);
+    }
+    return topology ? ErrorCode::InternalDefect : topology.error().code;
+  };
+  const Mesh disk = shapes::wavy_disk(200);
+  CHECK(said(disk) == ErrorCode::InternalDefect);
+  CHECK(manifold_topology(Exec(2), disk.surface())->corner_twin ==
+        build_topology(Exec(1), disk.surface()).corner_twin);
+  CHECK(said(shapes::torus(12)) == ErrorCode::InternalDefect);
+  CHECK(said({}) == ErrorCode::NoTriangles);
+
+  Mesh mesh = disk;
+  mesh.corner_vertex[5] = 1'000'000;
+  CHECK(said(mesh) == ErrorCode::IndexOutOfRange);
+  mesh = disk;
+  mesh.position[3].y = std::nan("");
+  CHECK(said(mesh) == ErrorCode::NonFinitePosition);
+  mesh = disk;
+  for (Vec3& p : mesh.position) p = 1e308 * p;
+  CHECK(said(mesh) == ErrorCode::NonFinitePosition);
+  mesh = disk;
+  mesh.corner_vertex[1] = mesh.corner_vertex[0];
+  CHECK(said(mesh) == ErrorCode::RepeatedVertex);
+  mesh = disk;
+  for (int i = 0; i < 3; ++i) mesh.corner_vertex.push_back(mesh.corner_vertex[i]);
+  CHECK(said(mesh) == ErrorCode::DuplicateTriangle);
+  mesh = disk;
+  std::swap(mesh.corner_vertex[0], mesh.corner_vertex[1]);
+  CHECK(said(mesh) == ErrorCode::InconsistentOrientation);
+  // A triangle whose vertices lie on one line, up to the precision of coordinates far from the origin.
+  for (const double away : {0.0, 1e6}) {
+    mesh = disk;
+    const Index a = mesh.corner_vertex[0], b = mesh.corner_vertex[1], c = mesh.corner_vertex[2];
+    mesh.position[c] = 0.5 * (mesh.position[a] + mesh.position[b]);
+    mesh.position[c].z += 1e-16 * away;
+    for (Vec3& p : mesh.position) p = p + Vec3{away, 0, 0};
+    CHECK(said(mesh) == ErrorCode::DegenerateTriangle);
+  }
 }
