@@ -9,22 +9,31 @@
 namespace planish {
 namespace {
 
+/// Every task looks through all corners for those of its own vertices: a few of those passes take less time than sorting.
 void build_stars(const Exec& exec, const Surface& surface, Topology& topology) {
   const auto num_corners = static_cast<Index>(surface.corner_vertex.size());
-  std::vector<KeyedIndex> items(num_corners);
-  exec.for_blocks(num_corners, kBlock, [&](Index, Range r) {
-    for (Index c = r.begin; c < r.end; ++c)
-      items[c] = {static_cast<std::uint64_t>(surface.corner_vertex[c]), c};
-  });
-  sort_by_key(exec, items, bits_for(surface.num_vertices()));
-  topology.star_corner.resize(num_corners);
-  topology.star_begin.assign(surface.position.size() + 1, num_corners);
-  exec.for_blocks(num_corners, kBlock, [&](Index, Range r) {
-    for (Index k = r.begin; k < r.end; ++k) {
-      topology.star_corner[k] = items[k].index;
-      const auto before = k == 0 ? Offset{-1} : static_cast<Offset>(items[k - 1].key);
-      for (Offset v = before + 1; v <= static_cast<Offset>(items[k].key); ++v) topology.star_begin[v] = k;
+  const Index num_vertices = surface.num_vertices(), num_tasks = exec.threads();
+  const Index per_task = std::max<Index>(1, (num_vertices + num_tasks - 1) / num_tasks);
+  const auto own = [&](Index task) {
+    const auto bound = [&](Index k) { return std::min<Offset>(num_vertices, Offset{k} * per_task); };
+    return Range{static_cast<Index>(bound(task)), static_cast<Index>(bound(task + 1))};
+  };
+  const auto visit_own = [&](Range vertices, auto visit) {
+    for (Index c = 0; c < num_corners; ++c) {
+      const Index v = surface.corner_vertex[c];
+      if (v >= vertices.begin && v < vertices.end) visit(v, c);
     }
+  };
+  std::vector<Index>& begin = topology.star_begin;
+  begin.assign(static_cast<std::size_t>(num_vertices) + 1, 0);
+  exec.for_tasks(num_tasks,
+                 [&](Index task) { visit_own(own(task), [&](Index v, Index) { ++begin[v + 1]; }); });
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  topology.star_corner.resize(num_corners);
+  exec.for_tasks(num_tasks, [&](Index task) {
+    const Range vertices = own(task);
+    std::vector<Index> end(begin.begin() + vertices.begin, begin.begin() + vertices.end);
+    visit_own(vertices, [&](Index v, Index c) { topology.star_corner[end[v - vertices.begin]++] = c; });
   });
 }
 
