@@ -6,6 +6,7 @@
 #include "engine/verify/benchmark.hpp"
 #include "engine/verify/certificate.hpp"
 #include "engine/verify/overlaps.hpp"
+#include "engine/verify/simple_boundary.hpp"
 
 namespace planish {
 namespace {
@@ -105,7 +106,9 @@ Certificate measure_without_overlaps(const Exec& exec, const Workpiece& piece, I
 Certificate measure_map(const Exec& exec, const Workpiece& piece, In<Vec2> uv) {
   Certificate certificate = measure_without_overlaps(exec, piece, uv);
   const std::vector<RestFrame> frame = frames_in_mesh_units(piece);
-  Overlaps overlaps = find_overlaps(exec, piece.mesh().corner_vertex, uv, rest_areas(exec, frame));
+  Overlaps overlaps;
+  if (!covers_once(exec, piece.mesh().corner_vertex, piece.topology(), uv))
+    overlaps = find_overlaps(exec, piece.mesh().corner_vertex, uv, rest_areas(exec, frame));
   certificate.benchmark =
       benchmark_figures(exec, piece.mesh().corner_vertex, piece.topology(), frame, uv, overlaps);
   certificate.overlapping_pairs = overlaps.pairs;

@@ -8,6 +8,7 @@
 #include "engine/solve/map_energy.hpp"
 #include "engine/solve/straightened_start.hpp"
 #include "engine/verify/overlaps.hpp"
+#include "engine/verify/simple_boundary.hpp"
 
 namespace planish {
 namespace {
@@ -60,8 +61,17 @@ class OverlapRemover {
  private:
   Offset pairs(In<Vec2> uv) const {
     Offset sum = 0;
-    for (const std::vector<Index>& corners : corners_) sum += find_overlaps(exec_, corners, uv).pairs;
+    for (const std::size_t k : components_to_search(uv)) sum += find_overlaps(exec_, corners_[k], uv).pairs;
     return sum;
+  }
+  /// Those that may cover points twice.
+  std::vector<std::size_t> components_to_search(In<Vec2> uv) const {
+    const auto once = components_covering_once(exec_, problem_.energy.corner_vertex, *problem_.topology, uv);
+    std::vector<std::size_t> search;
+    for (std::size_t k = 0; k < once.size(); ++k) {
+      if (!once[k]) search.push_back(k);
+    }
+    return search;
   }
   bool is_free(In<Vec2> uv, const DofMap& dof) const {
     return MapEnergy(exec_, problem_.energy).is_injective(uv) && dof.reversed_edges() == 0 && pairs(uv) == 0;
@@ -70,7 +80,7 @@ class OverlapRemover {
   Result<void> begin_straightened() {
     const auto find = [&](In<Vec2> uv) {
       std::vector<Index> all;
-      for (std::size_t k = 0; k < corners_.size(); ++k) {
+      for (const std::size_t k : components_to_search(uv)) {
         for (const Index t : overlapping_triangles(exec_, corners_[k], uv)) all.push_back(triangles_[k][t]);
       }
       return all;
