@@ -50,7 +50,7 @@ class Run {
     return check()
         .and_then([&] { return compile_constraints(); })
         .and_then([&] { return order(); })
-        .and_then([&] { return system_ ? rotate() : Result<void>(); })
+        .and_then([&] { return system_ ? rotate(nullptr) : Result<void>(); })
         .and_then([&] { return count(); })
         .map([&] { return std::move(plan_); });
   }
@@ -127,7 +127,8 @@ class Run {
 
   Result<void> order() {
     return timed(Phase::Order, [&]() -> Result<void> {
-      laplacian_ = piece_.laplacian_over(exec_, nodes_);
+      laplacian_ =
+          system_ ? piece_.laplacian_over(exec_, nodes_) : piece_.held_laplacian(exec_, nodes_.fixed);
       // The rotation problem needs an order of all vertices, whatever constraints merge.
       auto order = fill_reducing_order(exec_, system_ ? piece_.whole_laplacian(exec_) : laplacian_);
       if (!order) return fail(order.error());
@@ -141,25 +142,26 @@ class Run {
     const auto nonzeros = factor_nonzeros(laplacian_, piece_.order);
     if (!nonzeros) return fail(nonzeros.error());
     need_ = memory_need(mesh().num_triangles(), factors() * *nonzeros, 0);
-    return within_memory(need_.in_turn, options_.memory_limit,
+    return within_memory(need_.local_global, options_.memory_limit,
                          method_ ? "the map needs" : "local/global needs");
   }
   /// In factors of the Laplacian; methods other than ARAP couple u and v in one of four times the size beside it.
   Offset factors() const { return method_ ? 3 : 1; }
   bool fits(Offset bytes) const { return options_.memory_limit == 0 || bytes <= options_.memory_limit; }
 
-  /// The rotation problem and the analysis for the positions depend on the order alone: both at once where there is memory.
+  /// The rotation problem has the same pattern without constraints and holes: one analysis and one factor's memory serve for
+  /// both. With constraints the two do not depend on one another: both at once where there is memory.
   Result<void> start() {
     return timed(Phase::Start, [&]() -> Result<void> {
-      Result<void> rotations;
       Result<GlobalPhase> global = fail({});
-      const auto first = [&] { rotations = rotate(); };
-      const auto second = [&] { global = GlobalPhase::analyse(exec_, laplacian_, piece_.order); };
-      if (fits(need_.at_once)) {
-        exec_.both(first, second);
+      Result<void> rotations;
+      const auto analyse = [&] { global = GlobalPhase::analyse(exec_, laplacian_, piece_.order); };
+      const auto turn = [&] { rotations = rotate(system_ || !global ? nullptr : &*global); };
+      if (system_ && fits(need_.at_once)) {
+        exec_.both(turn, analyse);
       } else {
-        first();
-        second();
+        analyse();
+        turn();
       }
       if (!rotations) return rotations;
       if (!global) return fail(global.error());
@@ -171,9 +173,9 @@ class Run {
     });
   }
 
-  Result<void> rotate() {
+  Result<void> rotate(GlobalPhase* analysed) {
     if (system_) return system_->orient(exec_, piece_.start_input(), options_.init);
-    auto rotations = first_rotations(exec_, piece_.start_input(), options_.init);
+    auto rotations = first_rotations(exec_, piece_.start_input(), options_.init, analysed);
     if (!rotations) return fail(rotations.error());
     start_.rotation = std::move(rotations->rotation);
     start_.first = std::make_unique<DofMap>(nodes_);
@@ -398,9 +400,9 @@ class Run {
     }
     const MemoryNeed need =
         memory_need(mesh().num_triangles(), factors() * *nonzeros, plan_.facts.border_unknowns);
-    plan_.memory_bytes = fits(need.at_once) ? need.at_once : need.in_turn;
+    plan_.memory_bytes = system_ && fits(need.at_once) ? need.at_once : need.local_global;
     plan_.newton_bytes = method_ ? 0 : std::max(plan_.memory_bytes, need.newton);
-    return within_memory(need.in_turn, options_.memory_limit,
+    return within_memory(need.local_global, options_.memory_limit,
                          method_ ? "the map needs" : "local/global needs");
   }
 

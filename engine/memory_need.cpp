@@ -32,11 +32,11 @@ MemoryNeed memory_need(Index num_triangles, Offset factor_nonzeros, Index border
   const Offset columns =
       kProcess + kColumns * num_triangles + kDenseCopies * 8 * border * static_cast<Offset>(border);
   MemoryNeed need;
-  need.in_turn = columns + static_cast<Offset>(kSystem * entries);
-  need.at_once = need.in_turn + static_cast<Offset>(kAnalysis * entries);
+  need.local_global = columns + static_cast<Offset>(kSystem * entries);
+  need.at_once = need.local_global + static_cast<Offset>(kAnalysis * entries);
   need.newton = columns + static_cast<Offset>(kNewton * entries);
   const Offset checks = memory_of_checks(num_triangles);
-  for (Offset* bytes : {&need.in_turn, &need.at_once, &need.newton}) *bytes = std::max(*bytes, checks);
+  for (Offset* bytes : {&need.local_global, &need.at_once, &need.newton}) *bytes = std::max(*bytes, checks);
   return need;
 }
 

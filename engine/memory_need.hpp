@@ -10,8 +10,8 @@ namespace planish {
 /// Largest resident size of the process up to some steps, bytes, the caller's mesh included. Estimates from measurements, good
 /// to a tenth for meshes of more than 100,000 triangles; see perf/README.md.
 struct MemoryNeed {
-  Offset at_once = 0;  ///< local/global, both systems of its start analysed at the same time
-  Offset in_turn = 0;  ///< local/global, one after the other
+  Offset local_global = 0;
+  Offset at_once = 0;  ///< the same, both systems that constraints need at the start analysed at the same time
   Offset newton =
       0;  ///< Newton steps of the whole: where flips have to be removed, or local/global hardly advances
 };

@@ -42,6 +42,11 @@ SymmetricMatrix Workpiece::whole_laplacian(const Exec& exec) const {
                           [&](Index c) { return edge_weight(c); });
 }
 
+SymmetricMatrix Workpiece::held_laplacian(const Exec& exec, In<std::uint8_t> held) const {
+  return planish::held_laplacian(exec, mesh().corner_vertex, topology(), held,
+                                 [&](Index c) { return edge_weight(c); });
+}
+
 Result<GlobalPhase> Workpiece::factor(const Exec& exec, const SymmetricMatrix& laplacian) const {
   return GlobalPhase::factor(exec, laplacian, order);
 }

@@ -28,6 +28,8 @@ struct Workpiece {
   /// Cotangent Laplacian over the nodes of a DOF map, and over all vertices whatever constraints merge.
   SymmetricMatrix laplacian_over(const Exec& exec, const NodeMap& nodes) const;
   SymmetricMatrix whole_laplacian(const Exec& exec) const;
+  /// The same with unit rows of held vertices [V], in the pattern of all.
+  SymmetricMatrix held_laplacian(const Exec& exec, In<std::uint8_t> held) const;
   /// Nodes beyond the vertices are eliminated last.
   Result<GlobalPhase> factor(const Exec& exec, const SymmetricMatrix& laplacian) const;
 

@@ -57,6 +57,24 @@ SymmetricMatrix quotient_laplacian(const Exec& exec, In<Index> corner_vertex, co
   });
 }
 
+SymmetricMatrix held_laplacian(const Exec& exec, In<Index> corner_vertex, const Topology& topology,
+                               In<std::uint8_t> held, const EdgeWeight& weight) {
+  return gather_columns(exec, static_cast<Index>(held.size()), [&](Range r, ColumnSink& sink) {
+    std::vector<Entry> column;
+    for (Index v = r.begin; v < r.end; ++v) {
+      column.assign(1, {v, 0});
+      for_each_edge(v, corner_vertex, topology, [&](Index u, Index c) {
+        const double w = weight(c);
+        column.front().value += w;
+        if (u > v) column.push_back({u, held[u] || held[v] ? 0 : -w});
+      });
+      if (held[v]) column.front().value = 1;
+      merge_rows(column);
+      sink.add(column);
+    }
+  });
+}
+
 SymmetricMatrix vertex_laplacian(const Exec& exec, In<Index> corner_vertex, const Topology& topology,
                                  In<std::uint8_t> fixed, const EdgeWeight& weight) {
   std::vector<Index> node(fixed.size());

@@ -18,6 +18,10 @@ using EdgeWeight = std::function<double(Index c)>;
 SymmetricMatrix vertex_laplacian(const Exec& exec, In<Index> corner_vertex, const Topology& topology,
                                  In<std::uint8_t> fixed, const EdgeWeight& weight);
 
+/// The same with zeros in the place of what is held, so that one analysis serves for whatever is held.   held [V]
+SymmetricMatrix held_laplacian(const Exec& exec, In<Index> corner_vertex, const Topology& topology,
+                               In<std::uint8_t> held, const EdgeWeight& weight);
+
 /// Laplacian of a quotient of the vertex graph: vertex v belongs to node[v] < num_nodes, or to the ground
 /// (kNone). Nodes below V must be their own single vertex (node[v] == v); unused ones get unit rows. Edges
 /// inside a node vanish.

@@ -1,25 +1,42 @@
 #include "engine/solve/start.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "engine/solve/dual_weights.hpp"
-#include "engine/solve/global_phase.hpp"
 #include "engine/solve/laplacian.hpp"
 #include "kernels/local/proxy.hpp"
 
 namespace planish {
 namespace {
 
+/// Of rows that merge no vertices.
+SymmetricMatrix laplacian_of_vertices(const Exec& exec, const StartInput& input, const RotationRows& rows,
+                                      const EdgeWeight& weight) {
+  std::vector<std::uint8_t> held;
+  for (const Index node : rows.vertex_node) held.push_back(node == kNone);
+  return held_laplacian(exec, input.corner_vertex, *input.topology, held, weight);
+}
+
 Result<std::vector<double>> solve_rotation_rows(const Exec& exec, const StartInput& input,
                                                 const RotationRows& rows, const EdgeWeight& weight,
-                                                double& residual) {
-  const SymmetricMatrix laplacian = quotient_laplacian(exec, input.corner_vertex, *input.topology,
-                                                       rows.vertex_node, rows.num_nodes, weight);
-  auto global = GlobalPhase::factor(exec, laplacian, input.order);
-  if (!global) return fail(global.error());
+                                                GlobalPhase* analysed, double& residual) {
+  const bool merges_none = rows.num_nodes == static_cast<Index>(rows.vertex_node.size());
+  const bool serves = analysed != nullptr && merges_none;
+  const SymmetricMatrix laplacian = serves ? laplacian_of_vertices(exec, input, rows, weight)
+                                           : quotient_laplacian(exec, input.corner_vertex, *input.topology,
+                                                                rows.vertex_node, rows.num_nodes, weight);
+  std::optional<GlobalPhase> own;
+  if (serves) {
+    if (auto factored = analysed->refactor(exec, laplacian); !factored) return fail(factored.error());
+  } else {
+    auto factored = GlobalPhase::factor(exec, laplacian, input.order);
+    if (!factored) return fail(factored.error());
+    own.emplace(std::move(*factored));
+  }
   std::vector<Vec2> x(rows.num_nodes);
   for (Index j = 0; j < rows.num_nodes; ++j) x[j] = {rows.target[j], 0};
-  global->solve(exec, x, x);
+  (own ? *own : *analysed).solve(exec, x, x);
   std::vector<double> potential(rows.num_nodes);
   for (Index j = 0; j < rows.num_nodes; ++j) potential[j] = x[j].x;
   residual = largest_residual(laplacian, potential, rows.target);
@@ -92,7 +109,7 @@ Result<std::vector<Vec2>> harmonic_rotations(const Exec& exec, const StartInput&
   return closest_rotations(exec, input, *uv);
 }
 
-Result<Start> first_rotations(const Exec& exec, const StartInput& input, Init init) {
+Result<Start> first_rotations(const Exec& exec, const StartInput& input, Init init, GlobalPhase* analysed) {
   RotationRows rows = rotation_rows(*input.topology, input.corner_vertex, input.angle_sum, input.outer_loop);
   Start start;
   const FlooredWeights floored(exec, input);
@@ -105,7 +122,7 @@ Result<Start> first_rotations(const Exec& exec, const StartInput& input, Init in
         init == Init::Cotangent ? EdgeWeight(std::cref(floored)) : EdgeWeight([](Index) { return 1.0; });
     std::vector<double> potential;
     if (init != Init::Identity) {
-      auto solved = solve_rotation_rows(exec, input, rows, weight, start.holonomy_residual);
+      auto solved = solve_rotation_rows(exec, input, rows, weight, analysed, start.holonomy_residual);
       if (!solved) return fail(solved.error());
       potential = std::move(*solved);
     }

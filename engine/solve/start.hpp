@@ -8,6 +8,7 @@
 #include "engine/model/options.hpp"
 #include "engine/prepare/connection.hpp"
 #include "engine/prepare/topology.hpp"
+#include "engine/solve/global_phase.hpp"
 
 namespace planish {
 
@@ -31,7 +32,10 @@ struct Start {
 /// Closest rotations of the harmonic map that takes the outer loops to circles.
 Result<std::vector<Vec2>> harmonic_rotations(const Exec& exec, const StartInput& input, In<Index> outer_loop);
 
+/// analysed: for the pattern of held_laplacian(), null: none; factored anew with the rotations' rows where these merge no vertices
+/// (no holes), so that the analysis of the positions serves for them too.
 /// Fails: FactorizationFailed, OutOfMemory; ResidualTooLarge where a row is missed by more than 1e-9.
-Result<Start> first_rotations(const Exec& exec, const StartInput& input, Init init);
+Result<Start> first_rotations(const Exec& exec, const StartInput& input, Init init,
+                              GlobalPhase* analysed = nullptr);
 
 }  // namespace planish
