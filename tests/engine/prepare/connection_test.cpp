@@ -95,6 +95,39 @@ TEST_CASE("connection: the rotations of both norms close every star to 1e-9, on 
   }
 }
 
+TEST_CASE(
+    "connection: an analysis of all vertices serves for the rotations, and is left alone where holes merge "
+    "some") {
+  for (const bool has_hole : {false, true}) {
+    const Prepared p(has_hole ? shapes::frame(40, bump) : shapes::wavy_disk(3000));
+    const Index num_vertices = p.mesh.mesh.num_vertices();
+    std::vector<std::uint8_t> held(num_vertices, 0);
+    held[num_vertices / 2] = 1;
+    const auto weight = [](Index) { return 2.0; };
+    const SymmetricMatrix positions =
+        held_laplacian(Exec(2), p.mesh.mesh.corner_vertex, p.mesh.topology, held, weight);
+    auto global = GlobalPhase::factor(Exec(2), positions, p.order);
+    REQUIRE(global);
+    std::vector<Vec2> rhs(num_vertices), before(num_vertices), after(num_vertices);
+    for (Index v = 0; v < num_vertices; ++v) rhs[v] = {std::sin(v), std::cos(v)};
+    global->solve(Exec(2), rhs, before);
+    for (const Init init : {Init::Uniform, Init::Cotangent}) {
+      const auto own = first_rotations(Exec(2), p.input(), init),
+                 shared = first_rotations(Exec(2), p.input(), init, &*global);
+      REQUIRE(own);
+      REQUIRE(shared);
+      CHECK(shared->holonomy_residual < 1e-9);
+      for (std::size_t t = 0; t < own->rotation.size(); ++t)
+        CHECK(norm(own->rotation[t] - shared->rotation[t]) < 1e-10);
+      global->solve(Exec(2), rhs, after);
+      CHECK((after == before) == has_hole);
+      REQUIRE(global->refactor(Exec(2), positions));
+      global->solve(Exec(2), rhs, after);
+      CHECK(after == before);
+    }
+  }
+}
+
 TEST_CASE("connection: on a flat mesh unfolding alone gives one common rotation") {
   const Prepared p(shapes::height_field(20, shapes::flat));
   const auto start = first_rotations(Exec(1), p.input(), Init::Identity);

@@ -120,6 +120,29 @@ TEST_CASE("laplacian: constants are in its null space where nothing is held") {
   CHECK((matrix * Eigen::VectorXd::Ones(matrix.cols())).cwiseAbs().maxCoeff() < 1e-12);
 }
 
+TEST_CASE("laplacian: whatever is held, the pattern is that of all vertices, and the rest is theirs") {
+  const Mesh mesh = shapes::wavy_disk(300);
+  const Topology topology = build_topology(Exec(1), mesh.surface());
+  const auto weight = [](Index c) { return 1 + 0.001 * (c / 3); };
+  const auto n = static_cast<Index>(mesh.position.size());
+  std::vector<std::uint8_t> none(n, 0), some(n, 0);
+  for (Index v = 0; v < n; v += 7) some[v] = 1;
+  const auto weight_of = [&](Index c) {
+    const Index twin = topology.corner_twin[c];
+    return weight(twin == kNone ? c : std::min(c, twin));
+  };
+  const SymmetricMatrix free = held_laplacian(Exec(2), mesh.corner_vertex, topology, none, weight_of),
+                        held = held_laplacian(Exec(2), mesh.corner_vertex, topology, some, weight_of);
+  CHECK(held.column_begin == free.column_begin);
+  CHECK(held.row == free.row);
+  const auto difference = [&](const SymmetricMatrix& a, In<std::uint8_t> fixed) {
+    const SymmetricMatrix b = vertex_laplacian(Exec(1), mesh.corner_vertex, topology, fixed, weight_of);
+    return Eigen::MatrixXd(to_eigen(a) - to_eigen(b)).norm();
+  };
+  CHECK(difference(free, none) == 0);
+  CHECK(difference(held, some) == 0);
+}
+
 TEST_CASE("laplacian: merging the vertices of a hole is the product with the merging matrix") {
   const Mesh mesh = shapes::frame(12, shapes::flat);
   const Topology topology = build_topology(Exec(1), mesh.surface());
