@@ -107,12 +107,14 @@ class Embedder {
   // ---- curves ----
 
   Result<void> project_polylines() {
-    std::size_t num_points = 0;
+    std::size_t num_polylines = 0, num_points = 0;
     for (const FeatureSpec& spec : set_.features) {
-      if (const auto* polyline = std::get_if<PolylineSource>(&spec.source))
-        num_points += polyline->point.size();
+      const auto* polyline = std::get_if<PolylineSource>(&spec.source);
+      if (polyline == nullptr) continue;
+      ++num_polylines;
+      num_points += polyline->point.size();
     }
-    if (num_points == 0) return {};
+    if (num_polylines == 0) return {};
     constexpr std::size_t kFew = 4;  // times as many triangles as points
     const bool few = kFew * num_points < static_cast<std::size_t>(surface_.num_triangles());
     const SurfaceLocator locator(exec_, surface_,

@@ -149,19 +149,21 @@ class Run {
   Offset factors() const { return method_ ? 3 : 1; }
   bool fits(Offset bytes) const { return options_.memory_limit == 0 || bytes <= options_.memory_limit; }
 
-  /// The rotation problem has the same pattern without constraints and holes: one analysis and one factor's memory serve for
-  /// both. With constraints the two do not depend on one another: both at once where there is memory.
+  /// The rotation problem has the same pattern where nothing is merged: one analysis and one factor's memory serve for both.
+  /// Else the two do not depend on one another: both at once where there is memory, or the first one gone before the second.
   Result<void> start() {
     return timed(Phase::Start, [&]() -> Result<void> {
       Result<GlobalPhase> global = fail({});
       Result<void> rotations;
       const auto analyse = [&] { global = GlobalPhase::analyse(exec_, laplacian_, piece_.order); };
-      const auto turn = [&] { rotations = rotate(system_ || !global ? nullptr : &*global); };
-      if (system_ && fits(need_.at_once)) {
+      if (has_one_pattern()) {
+        analyse();
+        if (global) rotations = rotate(&*global);
+      } else if (const auto turn = [&] { rotations = rotate(nullptr); }; fits(need_.at_once)) {
         exec_.both(turn, analyse);
       } else {
-        analyse();
         turn();
+        analyse();
       }
       if (!rotations) return rotations;
       if (!global) return fail(global.error());
@@ -171,6 +173,12 @@ class Run {
       result_.mesh.outer = piece_.outer_loop;
       return system_ ? start_constrained() : Result<void>();
     });
+  }
+
+  /// The rotation problem's and that of the positions: neither constraints nor holes merge vertices.
+  bool has_one_pattern() const {
+    const bool solves_rows = options_.init == Init::Uniform || options_.init == Init::Cotangent;
+    return !system_ && solves_rows && topology().num_loops() == topology().num_components;
   }
 
   Result<void> rotate(GlobalPhase* analysed) {
@@ -400,7 +408,7 @@ class Run {
     }
     const MemoryNeed need =
         memory_need(mesh().num_triangles(), factors() * *nonzeros, plan_.facts.border_unknowns);
-    plan_.memory_bytes = system_ && fits(need.at_once) ? need.at_once : need.local_global;
+    plan_.memory_bytes = !has_one_pattern() && fits(need.at_once) ? need.at_once : need.local_global;
     plan_.newton_bytes = method_ ? 0 : std::max(plan_.memory_bytes, need.newton);
     return within_memory(need.local_global, options_.memory_limit,
                          method_ ? "the map needs" : "local/global needs");

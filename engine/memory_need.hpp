@@ -11,8 +11,7 @@ namespace planish {
 /// to a tenth for meshes of more than 100,000 triangles; see perf/README.md.
 struct MemoryNeed {
   Offset local_global = 0;
-  Offset at_once =
-      0;  ///< the same, both systems that constraints need at the start analysed at the same time
+  Offset at_once = 0;  ///< the same where the start has two systems, analysed at the same time
   Offset newton =
       0;  ///< Newton steps of the whole: where flips have to be removed, or local/global hardly advances
 };

@@ -116,7 +116,7 @@ double largest_coordinate(const Exec& exec, const Surface& surface) {
 
 /// All triangles have an area that is beyond the doubt of find_defects(), and coordinates can be scaled.
 bool is_well_shaped(const Exec& exec, const Surface& surface) {
-  constexpr double kLargest = 1e150, kLeast = 1e-150;
+  constexpr double kLargest = 1e75, kLeast = 1e-75;  // fourth powers are finite
   const double largest = largest_coordinate(exec, surface);
   if (!(largest > kLeast && largest < kLargest)) return false;
   const double least_altitude = 16 * std::numeric_limits<double>::epsilon() * largest;

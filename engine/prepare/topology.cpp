@@ -9,10 +9,11 @@
 namespace planish {
 namespace {
 
-/// Every task looks through all corners for those of its own vertices: a few of those passes take less time than sorting.
+/// Every task looks through all corners for those of its own vertices: a few of those passes take less time than sorting, and
+/// more than a few tasks would only wait for memory.
 void build_stars(const Exec& exec, const Surface& surface, Topology& topology) {
   const auto num_corners = static_cast<Index>(surface.corner_vertex.size());
-  const Index num_vertices = surface.num_vertices(), num_tasks = exec.threads();
+  const Index num_vertices = surface.num_vertices(), num_tasks = std::min(exec.threads(), 8);
   const Index per_task = std::max<Index>(1, (num_vertices + num_tasks - 1) / num_tasks);
   const auto own = [&](Index task) {
     const auto bound = [&](Index k) { return std::min<Offset>(num_vertices, Offset{k} * per_task); };

@@ -86,6 +86,7 @@ void BoundaryBarrier::visit_candidates(In<Box2> vertex_box, In<Box2> edge_box, V
           const Index e = tree.order()[i];
           const Index vertex = tail_[v];
           if (vertex == tail_[e] || vertex == head_[e] || vertex == apex_[e]) continue;
+          if (fixed_[vertex] && fixed_[tail_[e]] && fixed_[head_[e]]) continue;
           if (component_[v] != component_[e]) continue;
           if (vertex_box[v].meets(edge_box[e])) visit(block, v, e);
         }

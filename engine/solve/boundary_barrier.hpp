@@ -12,7 +12,7 @@
 namespace planish {
 
 /// Of every boundary vertex and every boundary edge of the same component at a distance d below their reach, unless one
-/// triangle has both: weight reach^2 (1 - y)^3 / y, y = d / reach. Infinite where they touch. The reach is a share of the
+/// triangle has both or all three vertices are held: weight reach^2 (1 - y)^3 / y, y = d / reach. Infinite where they touch. The reach is a share of the
 /// shortest edge around at rest: what lies that near across the surface is squeezed as hard as flips are resisted.
 /// Ref: Li et al. 2020, Incremental Potential Contact (its distances and step bounds, with the barrier of this house).
 class BoundaryBarrier {

@@ -14,10 +14,10 @@ namespace {
 constexpr int kRings = 4;
 constexpr int kMostUntangling = 25;  // steps; what takes more is left to the whole
 constexpr int kUnwoundRings = 1;     // around overwound vertices, at first
-/// Mean stretch below which a triangle is part of a compressed place; the stricter one where the other leaves more than so
-/// large a share of them, of which neighbourhoods would be the whole.
+/// Mean stretch below which a triangle is part of a compressed place; the stricter one where neighbourhoods of the other would
+/// have more than so large a share of all triangles.
 constexpr double kCompressed = 0.8, kCrushed = 0.6;
-constexpr double kMostShare = 0.1;
+constexpr double kMostShare = 0.2;
 
 /// One patch, worked on in slices of time, so that the caller can be asked in between whether to go on.
 class PatchJob {
@@ -161,25 +161,30 @@ std::vector<Index> PatchWork::faults(In<Vec2> x) const {
   return triangles;
 }
 
-std::vector<Index> PatchWork::compressed(In<Vec2> x) const {
-  const auto stretch = [&](Index t) {
-    return norm(wirtinger(corner_weights(mesh_.frame[t]), corner_images(mesh_.corner_vertex, t, x)).p);
+std::vector<Index> PatchWork::compressed(In<Vec2> x, double stretch) const {
+  return select(exec_, mesh_.num_triangles(), [&](Index t) {
+    const Wirtinger j = wirtinger(corner_weights(mesh_.frame[t]), corner_images(mesh_.corner_vertex, t, x));
+    return norm(j.p) < stretch;
+  });
+}
+
+std::vector<Patch> PatchWork::patches_around(const std::vector<Index>& faults, In<Vec2> x) const {
+  const auto grown = [&](double stretch) {
+    std::vector<Index> seeds = compressed(x, stretch);
+    seeds.insert(seeds.end(), faults.begin(), faults.end());
+    return grow_patches(mesh_, seeds, kRings, movable_, rank_);
   };
-  std::vector<Index> found =
-      select(exec_, mesh_.num_triangles(), [&](Index t) { return stretch(t) < kCompressed; });
-  if (static_cast<double>(found.size()) > kMostShare * mesh_.num_triangles())
-    std::erase_if(found, [&](Index t) { return stretch(t) >= kCrushed; });
-  return found;
+  std::vector<Patch> patches = grown(kCompressed);
+  double triangles = 0;
+  for (const Patch& patch : patches) triangles += static_cast<double>(patch.triangle.size());
+  return triangles <= kMostShare * mesh_.num_triangles() ? patches : grown(kCrushed);
 }
 
 Result<void> PatchWork::untangle(const MapDensity& density, const Monitor& monitor, Out<Vec2> x) {
   constexpr int kMostDescent = 10;
   constexpr double kNear = 1e-2;
-  std::vector<Index> seeds = faults(x);
-  const std::vector<Index> around = compressed(x);
-  seeds.insert(seeds.end(), around.begin(), around.end());
   const Aim aim{.untangle = true, .tolerance = kNear, .whole_energy = 0, .most_steps = kMostDescent};
-  return run(grow_patches(mesh_, seeds, kRings, movable_, rank_), density, aim, monitor, x);
+  return run(patches_around(faults(x), x), density, aim, monitor, x);
 }
 
 Result<void> PatchWork::relax(const MapDensity& density, double tolerance, double whole_energy,
@@ -187,7 +192,7 @@ Result<void> PatchWork::relax(const MapDensity& density, double tolerance, doubl
   constexpr int kMostDescent = 200;
   const Aim aim{
       .untangle = false, .tolerance = tolerance, .whole_energy = whole_energy, .most_steps = kMostDescent};
-  return run(grow_patches(mesh_, compressed(x), kRings, movable_, rank_), density, aim, monitor, x);
+  return run(patches_around({}, x), density, aim, monitor, x);
 }
 
 }  // namespace planish

@@ -32,7 +32,8 @@ class PatchWork {
   Result<void> run(const std::vector<Patch>& patches, const MapDensity& density, const Aim& aim,
                    const Monitor& monitor, Out<Vec2> x);
   std::vector<Index> faults(In<Vec2> x) const;
-  std::vector<Index> compressed(In<Vec2> x) const;
+  std::vector<Index> compressed(In<Vec2> x, double stretch) const;
+  std::vector<Patch> patches_around(const std::vector<Index>& faults, In<Vec2> x) const;
 
   const Exec& exec_;
   ArapEnergy mesh_;

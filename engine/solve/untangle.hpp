@@ -90,12 +90,14 @@ inline Result<void> say(const Monitor& monitor, const Progress& progress) {
   return fail(ErrorCode::Cancelled, "stopped by the caller");
 }
 
-/// Steps of an Untangling or a Descent of the map until it is done; count: in and out, how many.
+/// Steps of an Untangling or a Descent of the map until it is done; count: in and out, how many of Newton's.
 template <class Steps>
 Result<void> take_steps(Steps& steps, const NewtonMap& map, const Monitor& monitor, int& count) {
+  const int before = count;
   while (!steps.is_done()) {
-    auto said = say(monitor, {.phase = Phase::Untangle, .iteration = ++count, .energy = map.energy()});
+    auto said = say(monitor, {.phase = Phase::Untangle, .iteration = count, .energy = map.energy()});
     if (auto stepped = said.and_then([&] { return steps.step(); }); !stepped) return stepped;
+    count = before + steps.steps();
   }
   return {};
 }

@@ -263,6 +263,7 @@ TEST_CASE("embed: what is no curve on the surface is refused with feature and po
     CHECK(exit_code(error.code) == 5);
   };
   expect(refused(sheet, {polyline("a/b", {{0, 0, 0}})}), ErrorCode::FeatureBroken, {}, "/features/a~1b");
+  expect(refused(sheet, {polyline("p", {})}), ErrorCode::FeatureBroken, {}, "/features/p");
   expect(refused(sheet, {polyline("p", {{0, 0, 0}, {0.5, 0, 0}, {0.5, 0, 0}})}), ErrorCode::FeatureBroken,
          {2}, "/features/p");
   expect(refused(sheet, {polyline("p", {{0, 0, 0}, {0.5, nan, 0}})}), ErrorCode::FeatureBroken, {1},

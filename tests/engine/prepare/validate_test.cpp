@@ -339,6 +339,13 @@ TEST_CASE("validate: the adjacency of a manifold is refused where its diagnosis 
   mesh = disk;
   std::swap(mesh.corner_vertex[0], mesh.corner_vertex[1]);
   CHECK(said(mesh) == ErrorCode::InconsistentOrientation);
+  // So large that products of edges overflow.
+  mesh = disk;
+  const Index third = mesh.corner_vertex[2];
+  mesh.position[third] = 0.5 * (mesh.position[mesh.corner_vertex[0]] + mesh.position[mesh.corner_vertex[1]]);
+  for (Vec3& p : mesh.position) p = 1e140 * p;
+  mesh.position[third].z += 1e110;
+  CHECK(said(mesh) == ErrorCode::DegenerateTriangle);
   // A triangle whose vertices lie on one line, up to the precision of coordinates far from the origin.
   for (const double away : {0.0, 1e6}) {
     mesh = disk;
