@@ -9,7 +9,7 @@ namespace {
 
 // Bytes a triangle, and an entry of the factor; fitted to the peaks of sampled bonnets.
 constexpr Offset kProcess = 16'000'000;  // before any mesh
-constexpr Offset kChecks = 330, kColumns = 260;
+constexpr Offset kChecks = 330, kColumns = 300;
 constexpr double kSystem = 12, kAnalysis = 2.8;
 constexpr double kNewton =
     80;  // each entry is a block of 2 x 2 there, and the factor of local/global is still kept
