@@ -157,6 +157,35 @@ TEST_CASE("patches: where the boundary is kept apart they leave it where it is")
   CHECK(moved_at_boundary() == 0);
 }
 
+TEST_CASE(
+    "patches: what is compressed a little is relaxed where it is a place, and left where it is the map") {
+  FlatProblem sheet(shapes::height_field(41, shapes::flat, 0));
+  const ArapProblem problem = sheet.problem();
+  const std::vector<Vec2> flat = sheet.at_gauge(sheet.flat);
+  const auto relaxed = [&](std::vector<Vec2> uv) {
+    PatchWork patches(sheet.exec, problem);
+    REQUIRE(patches.relax({}, 1e-3, 0, {}, uv));
+    return uv;
+  };
+  std::vector<Vec2> everywhere = flat;
+  for (Vec2& z : everywhere) z = 0.7 * z;
+  CHECK(relaxed(everywhere) == everywhere);
+  for (Vec2& z : everywhere) z = 0.7 * z;
+  CHECK(relaxed(everywhere) != everywhere);  // below what is left nowhere
+  // Squeezed by 0.7 around one vertex, and less and less away from it.
+  std::vector<Vec2> place = flat;
+  const Vec2 centre = flat[sheet.inner().vertex[sheet.inner().num_pairs() / 2]];
+  for (Vec2& z : place) {
+    const double r = norm(z - centre);
+    z = centre + (1 - 0.3 * std::max(0.0, 1 - 3 * r)) * (z - centre);
+  }
+  const std::vector<Vec2> after = relaxed(place);
+  CHECK(after != place);
+  std::vector<Vec2> force(flat.size());
+  MapEnergy measure(sheet.exec, problem.energy);
+  CHECK(measure.evaluate({}, after, force) < 0.9 * measure.evaluate({}, place, force));
+}
+
 TEST_CASE("patches: their tolerance is that of the whole, of which they may be a small part") {
   FlatProblem sheet(shapes::height_field(17, shapes::flat, 0));
   const ArapProblem problem = sheet.problem();

@@ -41,9 +41,19 @@ Vec2 closed(Vec2 p) {
   return {p.x - std::copysign(0.8, p.x) * near, p.y};
 }
 
+Mesh curled_at_rest() {
+  Mesh mesh = slotted();
+  for (Vec3& p : mesh.position) {
+    const Vec2 z = closed({p.x, p.y});
+    p = {z.x, z.y, 0};
+  }
+  return mesh;
+}
+
+/// A map whose sides of the slot overlap; where they do so at rest too, it has no energy.
 struct Curled {
   Exec exec{2};
-  Mesh mesh = slotted();
+  Mesh mesh;
   Workpiece piece = *make_workpiece(exec, mesh.surface());
   NodeMap nodes = find_nodes(piece.component, 1);
   DofMap dof{nodes};
@@ -57,11 +67,13 @@ struct Curled {
                       .vertex_component = piece.component,
                       .turns_freely = {1}};
 
-  Curled() {
+  explicit Curled(bool at_rest = false) : mesh(at_rest ? curled_at_rest() : slotted()) {
     piece.order = *fill_reducing_order(exec, piece.whole_laplacian(exec));
     problem.order = piece.order;
-    for (const Index v : piece.mesh().vertex_origin)
-      uv.push_back((1 / piece.mesh().unit) * closed({mesh.position[v].x, mesh.position[v].y}));
+    for (const Index v : piece.mesh().vertex_origin) {
+      const Vec2 z{mesh.position[v].x, mesh.position[v].y};
+      uv.push_back((1 / piece.mesh().unit) * (at_rest ? z : closed(z)));
+    }
   }
   std::vector<Index> overlapping(In<Vec2> at) const {
     return overlapping_triangles(exec, piece.mesh().corner_vertex, at);
@@ -114,6 +126,20 @@ TEST_CASE("straightened start: a flat slot comes back to rest, its sides kept ap
   CHECK(measure.evaluate({}, **straight, force) < 1e-7 * curled.problem.energy.area);
   CHECK(measure.evaluate({}, curled.uv, force) > 1e-4 * curled.problem.energy.area);
   CHECK(curled.overlapping(**straight).empty());
+}
+
+TEST_CASE("straightened start: sides that overlap at rest are kept apart on their way back") {
+  Curled curled(true);
+  const BoundaryBarrier barrier(curled.exec, curled.problem.energy, curled.piece.topology(),
+                                curled.piece.component);
+  curled.problem.barrier = &barrier;
+  REQUIRE_FALSE(curled.overlapping(curled.uv).empty());
+  int steps = 0;
+  const auto straight = curled.straightened(steps);
+  REQUIRE(straight.has_value());
+  REQUIRE(straight->has_value());
+  CHECK(curled.overlapping(**straight).empty());
+  CHECK(MapEnergy(curled.exec, curled.problem.energy).is_injective(**straight));
 }
 
 TEST_CASE("straightened start: there is none where the boundary around the overlap is held") {
