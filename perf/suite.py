@@ -127,7 +127,7 @@ def constrained(program, mesh):
 
 
 def untangled(program, mesh):
-    """To a thousandth, of a bonnet without flips, and of a rough one that has thousands; that one down to the tolerance too."""
+    """To a thousandth, of a bonnet without flips, and of a rough one that has some; that one down to the tolerance too."""
     rough = program.sample(SMALL, noise=ROUGH)
     rows = {}
     for key, of, has_flips in (("untangled_vs_keep", mesh, False), ("untangled_vs_keep_rough", rough, True)):
