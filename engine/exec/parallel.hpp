@@ -30,7 +30,9 @@ class Exec {
   /// order.
   template <class Body>
   void for_blocks(Index n, Index block, Body&& body) const {
-    run(num_blocks(n, block), [&](Index k) { body(k, block_range(n, block, k)); });
+    const auto call = [&](Index k) { body(k, block_range(n, block, k)); };
+    run(num_blocks(n, block),
+        std::cref(call));  // by reference, which a function holds without memory of its own
   }
 
   /// Calls body(i) for i in [0, count), each a task of its own.

@@ -105,22 +105,22 @@ std::vector<std::vector<Index>> by_height(In<Index> top, In<Index> parent) {
   return level;
 }
 
-/// Scratch of one task, on a cache line.
-template <class Number>
-class Scratch {
- public:
-  explicit Scratch(Offset size) : room_(size + 64 / sizeof(Number)) {
-    void* begin = room_.data();
-    std::size_t space = room_.size() * sizeof(Number);
-    aligned_ = static_cast<Number*>(std::align(64, size * sizeof(Number), begin, space));
-  }
-  Scratch(Scratch&&) noexcept = default;
-  operator Number*() { return aligned_; }
+constexpr std::size_t kLine = 64;  // bytes
 
- private:
-  std::vector<Number> room_;
-  Number* aligned_ = nullptr;
-};
+/// Numbers of one panel's scratch, whole cache lines.
+template <class Panels>
+std::size_t scratch_stride(Index rows) {
+  constexpr std::size_t kNumbers = kLine / sizeof(typename Panels::Number);
+  return (static_cast<std::size_t>(Panels::scratch_size(rows)) + kNumbers - 1) / kNumbers * kNumbers;
+}
+
+/// The first cache line in it; as many numbers as a line has are left over.
+template <class Number>
+Number* first_line(std::vector<Number>& room) {
+  void* begin = room.data();
+  std::size_t space = room.size() * sizeof(Number);
+  return static_cast<Number*>(std::align(kLine, space - kLine, begin, space));
+}
 
 }  // namespace
 
@@ -135,6 +135,9 @@ SupernodeTree::SupernodeTree(const SupernodalFactor& f) {
   Subtrees split = split_into_subtrees(parent_, work, kSubtreeShare, kLeastSubtree);
   subtree_ = std::move(split.subtree);
   top_level_ = by_height(split.top, parent_);
+  most_at_once_ = static_cast<Index>(subtree_.size());
+  for (const std::vector<Index>& level : top_level_)
+    most_at_once_ = std::max(most_at_once_, static_cast<Index>(level.size()));
   top_place_.assign(f.super.back(), kNone);
   for (const Index s : split.top) {
     for (Index j = f.super[s]; j < f.super[s + 1]; ++j) {
@@ -149,12 +152,19 @@ template <class Panels>
 class SupernodeTree::Solve {
  public:
   using Point = typename Panels::Point;
+  using Number = typename Panels::Number;
+  using Memory = SolveMemory<Point, Number>;
 
-  Solve(const Exec& exec, const SupernodeTree& tree, const SupernodalFactor& factor,
-        SolveMemory<Point>& memory)
-      : exec_(exec), tree_(tree), f_(factor), memory_(memory) {
+  Solve(const Exec& exec, const SupernodeTree& tree, const SupernodalFactor& factor, Memory& memory)
+      : exec_(exec),
+        tree_(tree),
+        f_(factor),
+        memory_(memory),
+        stride_(scratch_stride<Panels>(tree.most_rows_)) {
     memory.y.resize(f_.permutation.size());
     memory.to_top.resize(tree.subtree_.size() * tree.top_column_.size());
+    memory.scratch.resize(tree.most_at_once_ * stride_ + kLine / sizeof(Number));
+    scratch_ = first_line(memory.scratch);
   }
 
   /// load(k): the right-hand side at place k.
@@ -177,21 +187,19 @@ class SupernodeTree::Solve {
   void backward() {
     for (std::size_t k = tree_.top_level_.size(); k-- > 0;) {
       const std::vector<Index>& level = tree_.top_level_[k];
-      exec_.for_tasks(static_cast<Index>(level.size()), [&](Index i) {
-        Panels::backward(f_, level[i], memory_.y.data(), scratch(f_.rows(level[i])));
-      });
+      exec_.for_tasks(static_cast<Index>(level.size()),
+                      [&](Index i) { Panels::backward(f_, level[i], memory_.y.data(), scratch(i)); });
     }
     exec_.for_tasks(static_cast<Index>(tree_.subtree_.size()), [&](Index task) {
       const Range subtree = tree_.subtree_[task];
-      auto own = scratch(tree_.most_rows_);
-      for (Index s = subtree.end; s-- > subtree.begin;) Panels::backward(f_, s, memory_.y.data(), own);
+      for (Index s = subtree.end; s-- > subtree.begin;)
+        Panels::backward(f_, s, memory_.y.data(), scratch(task));
     });
   }
 
  private:
-  static Scratch<typename Panels::Number> scratch(Index rows) {
-    return Scratch<typename Panels::Number>(Panels::scratch_size(rows));
-  }
+  /// Of one task.
+  Number* scratch(Index task) const { return scratch_ + task * stride_; }
 
   template <class Body>
   void for_places(Body&& body) {
@@ -206,7 +214,7 @@ class SupernodeTree::Solve {
     std::fill(to_top.begin(), to_top.end(), Point{});
     const Range subtree = tree_.subtree_[task];
     const Index end = f_.super[subtree.end];  // columns from here on are not of this task
-    auto own = scratch(tree_.most_rows_);
+    Number* const own = scratch(task);
     for (Index s = subtree.begin; s < subtree.end; ++s) {
       const In<Index> row = rows_of(f_, s);
       Index inside = f_.rows(s);
@@ -229,21 +237,21 @@ class SupernodeTree::Solve {
 
   /// All at once; what they take from rows above, which several may, one after the other.
   void forward_level(const std::vector<Index>& level) {
-    std::vector<Scratch<typename Panels::Number>> own;
-    for (const Index s : level) own.push_back(scratch(f_.rows(s)));
-    exec_.for_tasks(static_cast<Index>(level.size()),
-                    [&](Index k) { Panels::forward(f_, level[k], 0, memory_.y.data(), own[k]); });
-    for (std::size_t k = 0; k < level.size(); ++k) {
+    const auto size = static_cast<Index>(level.size());
+    exec_.for_tasks(size, [&](Index k) { Panels::forward(f_, level[k], 0, memory_.y.data(), scratch(k)); });
+    for (Index k = 0; k < size; ++k) {
       const In<Index> row = rows_of(f_, level[k]);
       for (Index i = f_.columns(level[k]); i < f_.rows(level[k]); ++i)
-        add(memory_.y[row[i]], Panels::taken(own[k], f_.rows(level[k]), i));
+        add(memory_.y[row[i]], Panels::taken(scratch(k), f_.rows(level[k]), i));
     }
   }
 
   const Exec& exec_;
   const SupernodeTree& tree_;
   const SupernodalFactor& f_;
-  SolveMemory<Point>& memory_;
+  Memory& memory_;
+  std::size_t stride_;
+  Number* scratch_;
 };
 
 /// Calls body with a solve by the panels there are.
@@ -305,7 +313,9 @@ template <class Panels>
 std::vector<SparseColumn> SupernodeTree::forward_sparse(const SupernodalFactor& f,
                                                         In<SparseColumn> rhs) const {
   std::vector<typename Panels::Point> y(f.permutation.size());
-  Scratch<typename Panels::Number> scratch(Panels::scratch_size(most_rows_));
+  std::vector<typename Panels::Number> room(scratch_stride<Panels>(most_rows_) +
+                                            kLine / sizeof(typename Panels::Number));
+  typename Panels::Number* const scratch = first_line(room);
   std::vector<SparseColumn> result(rhs.size());
   for (std::size_t k = 0; k < rhs.size(); ++k) {
     for (std::size_t i = 0; i < rhs[k].row.size(); ++i) set(y[rhs[k].row[i]], rhs[k].value[i]);

@@ -39,10 +39,11 @@ struct SparseColumn {
 };
 
 /// Memory that solves reuse, so that only the first allocates. One solve at a time.
-template <class Point>
+template <class Point, class Number>
 struct SolveMemory {
-  std::vector<Point> y;       ///< [n] in the factor's order
-  std::vector<Point> to_top;  ///< each task's own sum for the columns above the tasks
+  std::vector<Point> y;         ///< [n] in the factor's order
+  std::vector<Point> to_top;    ///< each task's own sum for the columns above the tasks
+  std::vector<Number> scratch;  ///< of panels that are worked on at the same time
 };
 
 /// How the solve is split: subtrees of bounded work, each a task, and the supernodes above them, level by level. The split
@@ -78,8 +79,9 @@ class SupernodeTree {
   std::vector<Index> top_column_;  ///< columns of the top supernodes
   std::vector<Index> parent_;      ///< of each supernode, kNone at roots
   Index most_rows_ = 0;            ///< of any panel
-  SolveMemory<Vec2> wide_;
-  SolveMemory<FloatVec2> narrow_;
+  Index most_at_once_ = 0;         ///< tasks, or supernodes of a level
+  SolveMemory<Vec2, double> wide_;
+  SolveMemory<FloatVec2, float> narrow_;
 };
 
 }  // namespace planish
